@@ -1,0 +1,1 @@
+"""Sections, cells and the places on them."""

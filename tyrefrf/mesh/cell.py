@@ -1,0 +1,104 @@
+"""The angular cell: a section revolved by the sector angle, in one or more bricks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tyrefrf.arrays import FloatArray, IntArray
+from tyrefrf.mesh.section import SectionMesh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellMesh:
+    """One sector of the tyre between its left section (angle 0) and its right section.
+
+    points: (n, 3) r [m], y [m] and theta [rad]; the left section's nodes first, then the
+        interior ones, last the right section's, left and right in the section's own order.
+    bricks: (e, 8) or (e, 20) node numbers in Abaqus order, natural axes along (r, y, theta).
+    material: (e,) index into `materials`.
+    planes: (p, n_section) the node that stands at a plane of constant theta over a section
+        node, -1 where none does (quadratic bricks have only corners half-way).
+    section: what was revolved.
+    sector_angle: [rad].
+    """
+
+    points: FloatArray
+    bricks: IntArray
+    material: IntArray
+    materials: tuple[str, ...]
+    planes: IntArray
+    section: SectionMesh
+    sector_angle: float
+
+    @property
+    def n_nodes(self) -> int:
+        """Nodes of the cell, both sections included."""
+        return len(self.points)
+
+    @property
+    def n_face(self) -> int:
+        """Nodes of one section."""
+        return self.section.n_nodes
+
+    @property
+    def n_own(self) -> int:
+        """Nodes that the cell brings to the ring: all but the right section's."""
+        return self.n_nodes - self.n_face
+
+    @property
+    def rim(self) -> IntArray:
+        """Node numbers on the rim, in every plane."""
+        nodes = self.planes[:, self.section.rim].ravel()
+        return nodes[nodes >= 0]
+
+    @property
+    def cartesian(self) -> FloatArray:
+        """(n, 3) x, y, z [m] with x = r cos theta, z = r sin theta."""
+        r, y, theta = self.points.T
+        return np.stack([r * np.cos(theta), y, r * np.sin(theta)], axis=1)
+
+
+def revolve(section: SectionMesh, sector_angle: float, elements_around: int) -> CellMesh:
+    """Revolve a section about the axle into a cell of `elements_around` layers of bricks.
+
+    sector_angle: [rad]. Mid-sides of quadratic bricks lie on the circle.
+    """
+    quadratic = section.quads.shape[1] == 8
+    step = 2 if quadratic else 1
+    n_planes = step * elements_around + 1
+    planes = _number_planes(section, n_planes, step)
+    theta = np.linspace(0.0, sector_angle, n_planes)
+    points = np.empty((planes.max() + 1, 3))
+    for plane, angle in zip(planes, theta, strict=True):
+        there = plane >= 0
+        points[plane[there], :2] = section.points[there]
+        points[plane[there], 2] = angle
+
+    layers = []
+    for low in range(0, n_planes - 1, step):
+        bottom, top = planes[low][section.quads], planes[low + step][section.quads]
+        nodes = [bottom[:, :4], top[:, :4], bottom[:, 4:], top[:, 4:]]
+        if quadratic:
+            nodes.append(planes[low + 1][section.quads[:, :4]])
+        layers.append(np.hstack(nodes))
+    return CellMesh(
+        points=points,
+        bricks=np.vstack(layers),
+        material=np.tile(section.material, elements_around),
+        materials=section.materials,
+        planes=planes,
+        section=section,
+        sector_angle=sector_angle,
+    )
+
+
+def _number_planes(section: SectionMesh, n_planes: int, step: int) -> IntArray:
+    """Node numbers (planes, section nodes), left section first and right section last."""
+    there = np.ones((n_planes, section.n_nodes), dtype=bool)
+    if step == 2:
+        corner = np.zeros(section.n_nodes, dtype=bool)
+        corner[section.quads[:, :4]] = True
+        there[1::2] = corner
+    return np.where(there, np.cumsum(there.ravel()).reshape(there.shape) - 1, -1)

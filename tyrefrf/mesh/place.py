@@ -1,0 +1,36 @@
+"""Where a load acts or a probe reads: the place actually used."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A named place on the tyre, and the direction that counts there.
+
+    name: the load's or probe's own name.
+    kind: "node" (one node), "point" (interpolated), "patch" (disc with uniform traction).
+    surface: "outer", "inner", or "" for a node that lies on neither.
+    s: fraction of the surface's arc length, 0 at the rim with y < 0; NaN off the surfaces.
+    r, y: [m]; angle: [rad].
+    direction: "r", "y" or "theta", local to the place's own angle.
+    diameter: of a patch [m], else 0.
+    """
+
+    name: str
+    kind: str
+    surface: str
+    s: float
+    r: float
+    y: float
+    angle: float
+    direction: str
+    diameter: float = 0.0
+
+    @property
+    def label(self) -> str:
+        """The place in a legend: `mid-tread: r at outer 0.500, 0 deg`."""
+        where = f"{self.surface} {self.s:.3f}" if self.surface else f"r {self.r:.3f} m"
+        return f"{self.name}: {self.direction} at {where}, {degrees(self.angle):.4g}\N{DEGREE SIGN}"

@@ -1,0 +1,165 @@
+"""Places on the tyre's outer and inner surface, by shape functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tyrefrf.arrays import FloatArray, IntArray
+from tyrefrf.errors import MeshError
+from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.shapes import LINE2, LINE3, QUAD4, QUAD8, shape
+
+NEWTON_STEPS = 20  # quadratic edges converge in four; linear ones in one
+ON_PLANE = 1e-9  # of a layer's angle: closer places count as on the plane, and load one section
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spots:
+    """m points of a surface, each interpolated from the a nodes of the brick face it lies on.
+
+    cell: (m,) cell number, 0 .. N-1. nodes: (m, a) numbers in the cell. weights: (m, a), sum 1.
+    r, y, angle: (m,) where they are on the mesh [m, m, rad].
+    """
+
+    cell: IntArray
+    nodes: IntArray
+    weights: FloatArray
+    r: FloatArray
+    y: FloatArray
+    angle: FloatArray
+
+
+class Surface:
+    """The outer or the inner surface of a revolved tyre.
+
+    A place is a fraction s of the section's arc length, 0 at the rim with y < 0 and 1 at the rim
+    with y > 0, and an angle around the axle.
+    """
+
+    def __init__(self, mesh: CellMesh, name: str) -> None:
+        self.mesh = mesh
+        self.edges: IntArray = {"outer": mesh.section.outer, "inner": mesh.section.inner}[name]
+        self._line = LINE3 if self.edges.shape[1] == 3 else LINE2
+        self._points = mesh.section.points[self.edges]
+        lengths = self._arc(np.arange(len(self.edges)), np.ones(len(self.edges)))
+        self.length = float(lengths.sum())
+        self._knots = np.concatenate([[0.0], np.cumsum(lengths) / self.length])
+
+    def spots(self, s: FloatArray, angle: FloatArray) -> Spots:
+        """The places at arc-length fractions s (m,) in [0, 1] and angles (m,) [rad]."""
+        edge, xi = self._on_line(s)
+        cell, layer, phi = self._in_layer(angle)
+        nodes = self._face_nodes(edge, layer)
+        zeta = self._around(nodes, xi, phi)
+        quad = QUAD8 if len(self._line) == 3 else QUAD4
+        N, _ = shape(quad, np.stack([xi, zeta], axis=1))
+        x, y, z = np.einsum("ma,mai->im", N, self.mesh.cartesian[nodes])
+        there = cell * self.mesh.sector_angle + np.arctan2(z, x)
+        return Spots(cell, nodes, N, np.hypot(x, z), y, there)
+
+    def disc(self, s: float, angle: float, diameter: float) -> tuple[Spots, FloatArray]:
+        """Quadrature of a disc on the surface: spots (m,) and their shares of its area, sum 1.
+
+        The disc is drawn in arc length along the profile and around the axle, so that its area
+        is that of a plane disc. Raises MeshError where it reaches over the rim.
+        """
+        n_radii, n_angles = 6, 24
+        x, w = np.polynomial.legendre.leggauss(n_radii)
+        radius = diameter / 2.0 * np.sqrt((1.0 + x) / 2.0)  # even shares of area: exact weights
+        psi = (np.arange(n_angles) + 0.5) * 2.0 * np.pi / n_angles
+        along = (radius[:, None] * np.cos(psi)).ravel() / self.length
+        around = (radius[:, None] * np.sin(psi)).ravel()
+        if not 0.0 <= s - diameter / 2.0 / self.length <= s + diameter / 2.0 / self.length <= 1.0:
+            raise MeshError(
+                f"a disc of {1e3 * diameter:.4g} mm at s = {s:.4g} reaches over the rim; "
+                f"keep s within {diameter / 2.0 / self.length:.4g} of the middle's side of it"
+            )
+        edge, xi = self._on_line(s + along)
+        r = np.einsum("ma,ma->m", shape(self._line, xi[:, None])[0], self._points[edge, :, 0])
+        share = np.repeat(w / 2.0 / n_angles, n_angles)
+        return self.spots(s + along, angle + around / r), share
+
+    def nearest(self, s: float, angle: float) -> tuple[int, int]:
+        """The node nearest to a place: its number in the section and its plane in the ring.
+
+        Planes are numbered around the whole ring; only those that hold the node count.
+        """
+        fractions = self.fractions()
+        node = min(fractions, key=lambda n: abs(fractions[n] - s))
+        return node, self.nearest_plane(node, angle)
+
+    def nearest_plane(self, node: int, angle: float) -> int:
+        """The plane of the ring nearest to an angle [rad], of those that hold a section node."""
+        planes = np.flatnonzero(self.mesh.planes[:-1, node] >= 0)
+        per_cell = len(self.mesh.planes) - 1
+        cell, rest = divmod(angle, self.mesh.sector_angle)
+        theta = np.append(planes, per_cell) * self.mesh.sector_angle / per_cell
+        k = int(np.argmin(np.abs(theta - rest)))
+        return int(cell) * per_cell + int(np.append(planes, per_cell)[k])
+
+    def fractions(self) -> dict[int, float]:
+        """Arc-length fraction s of every section node on the surface."""
+        half = [self._knots[:-1], self._knots[1:]]
+        if len(self._line) == 3:
+            middle = self._arc(np.arange(len(self.edges)), np.zeros(len(self.edges)))
+            half.append(self._knots[:-1] + middle / self.length)
+        return dict(zip(self.edges.T.ravel().tolist(), np.concatenate(half).tolist(), strict=True))
+
+    def _arc(self, edge: IntArray, xi: FloatArray) -> FloatArray:
+        """Arc length (m,) [m] of edges from their start to natural coordinates xi (m,)."""
+        x, w = np.polynomial.legendre.leggauss(8)
+        t = -1.0 + (xi[:, None] + 1.0) / 2.0 * (x + 1.0)
+        return (xi + 1.0) / 2.0 * (self._speed(edge[:, None], t) @ w)
+
+    def _speed(self, edge: IntArray, xi: FloatArray) -> FloatArray:
+        """Arc length per natural coordinate [m], of the shape of xi."""
+        dN = shape(self._line, xi.reshape(-1, 1))[1].reshape(*xi.shape, -1)
+        return np.linalg.norm(np.einsum("...a,...ai->...i", dN, self._points[edge]), axis=-1)
+
+    def _on_line(self, s: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Edge and natural coordinate of arc-length fractions."""
+        edge = np.clip(np.searchsorted(self._knots, s, side="right") - 1, 0, len(self.edges) - 1)
+        target = (s - self._knots[edge]) * self.length
+        xi = np.zeros(len(s))
+        for _ in range(NEWTON_STEPS):
+            xi -= (self._arc(edge, xi) - target) / self._speed(edge, xi)
+        return edge, np.clip(xi, -1.0, 1.0)
+
+    def _in_layer(self, angle: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Cell, layer of bricks in it, and angle from the cell's left section [rad]."""
+        alpha = self.mesh.sector_angle
+        n_cells = round(2.0 * np.pi / alpha)
+        n_layers = (len(self.mesh.planes) - 1) // (2 if len(self._line) == 3 else 1)
+        position = np.asarray(angle) / alpha * n_layers
+        position = np.where(
+            abs(position - np.round(position)) < ON_PLANE, np.round(position), position
+        )
+        whole = np.floor(position).astype(np.int64)
+        cell = whole // n_layers
+        return cell % n_cells, whole % n_layers, (position - cell * n_layers) * alpha / n_layers
+
+    def _face_nodes(self, edge: IntArray, layer: IntArray) -> IntArray:
+        """Cell nodes (m, 4) or (m, 8) of the faces over edges, in the order of QUAD4 or QUAD8."""
+        planes, ends = self.mesh.planes, self.edges[edge].T
+        if len(self._line) == 2:
+            low, high = layer, layer + 1
+            order = [(low, 0), (low, 1), (high, 1), (high, 0)]
+        else:
+            low, middle, high = 2 * layer, 2 * layer + 1, 2 * layer + 2
+            order = [(low, 0), (low, 1), (high, 1), (high, 0)]
+            order += [(low, 2), (middle, 1), (high, 2), (middle, 0)]
+        return np.stack([planes[plane, ends[end]] for plane, end in order], axis=1)
+
+    def _around(self, nodes: IntArray, xi: FloatArray, phi: FloatArray) -> FloatArray:
+        """Natural coordinate (m,) at which a face stands at angles phi from the cell's left."""
+        quad = QUAD8 if len(self._line) == 3 else QUAD4
+        x, _, z = np.moveaxis(self.mesh.cartesian[nodes], 2, 0)
+        off = x * np.sin(phi)[:, None] - z * np.cos(phi)[:, None]  # zero on the ray at phi
+        zeta = np.zeros(len(xi))
+        for _ in range(NEWTON_STEPS):
+            N, dN = shape(quad, np.stack([xi, zeta], axis=1))
+            zeta -= np.sum(N * off, axis=1) / np.sum(dN[:, :, 1] * off, axis=1)
+        nearest = np.round(zeta)
+        return np.where(abs(zeta - nearest) < ON_PLANE, nearest, zeta)
