@@ -1,0 +1,1 @@
+"""Elements, materials and the cell's matrices."""

@@ -1,0 +1,150 @@
+"""From the cell's mesh to its matrices, in cylindrical dofs: [6]-[13] and [23] of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from tyrefrf.fem.elasticity import isotropic
+from tyrefrf.fem.elements import Element
+from tyrefrf.mesh.cell import CellMesh
+
+if TYPE_CHECKING:
+    from tyrefrf.case import Damping, Material
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellMatrices:
+    """One cell's matrices in cylindrical dofs (r, y, theta) node by node.
+
+    Dofs are ordered as the cell's nodes: left section, interior, right section. All matrices
+    share one sparsity pattern (indptr, indices) of compressed rows; each is its data (nnz,).
+
+    K: stiffness per material [N/m], loss-free; eta: each material's loss factor.
+    M: mass [kg]; C: viscous damping [N s/m].
+    n_face: dofs of one section. fixed: (n,) dofs on the rim.
+    """
+
+    indptr: IntArray
+    indices: IntArray
+    K: Mapping[str, FloatArray]
+    eta: Mapping[str, float]
+    M: FloatArray
+    C: FloatArray
+    n_face: int
+    fixed: BoolArray
+
+    @property
+    def n_dofs(self) -> int:
+        """Dofs of the cell, both sections and fixed ones included."""
+        return len(self.fixed)
+
+    @property
+    def n_own(self) -> int:
+        """Dofs that the cell brings to the ring: all but the right section's."""
+        return self.n_dofs - self.n_face
+
+    @property
+    def rows(self) -> IntArray:
+        """Row of every entry of the pattern (nnz,)."""
+        return np.repeat(np.arange(self.n_dofs), np.diff(self.indptr))
+
+    def dynamic_stiffness(self, omega: float) -> ComplexArray:
+        """Entries (nnz,) of D = K + i omega C - omega^2 M, K = sum of (1 + i eta_m) K_m: [1]."""
+        D = 1j * omega * self.C - omega**2 * self.M
+        for name, K in self.K.items():
+            D += (1.0 + 1j * self.eta[name]) * K
+        return D
+
+    def sparse(self, data: ComplexArray | FloatArray) -> csr_array:
+        """A matrix of this pattern (n, n) as scipy knows it."""
+        return csr_array((data, self.indices, self.indptr), shape=(self.n_dofs, self.n_dofs))
+
+
+def assemble_cell(
+    mesh: CellMesh, materials: Mapping[str, Material], element: Element, damping: Damping
+) -> CellMatrices:
+    """Assemble the cell's K per material, M and C = alpha M + beta K.
+
+    materials: by the names in `mesh.materials`. The rim's nodes are marked fixed.
+    Raises MeshError where a brick is inverted.
+    """
+    X = mesh.cartesian[mesh.bricks]
+    T = rotations(mesh.points[mesh.bricks, 2])
+    dofs = (3 * mesh.bricks[:, :, None] + np.arange(3)).reshape(len(X), -1)
+    pattern = Pattern.of(dofs, 3 * mesh.n_nodes)
+
+    K: dict[str, FloatArray] = {}
+    M = np.zeros(pattern.nnz)
+    for index, name in enumerate(mesh.materials):
+        here = mesh.material == index
+        stuff = materials[name]
+        stiffness = element.stiffness(X[here], isotropic(stuff.E, stuff.nu))
+        K[name] = pattern.add(here, turned(T[here], stiffness))
+        M += pattern.add(here, turned(T[here], element.mass(X[here], stuff.rho)))
+
+    fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
+    fixed[mesh.rim] = True
+    return CellMatrices(
+        indptr=pattern.indptr,
+        indices=pattern.indices,
+        K=K,
+        eta={name: materials[name].eta for name in mesh.materials},
+        M=M,
+        C=damping.alpha * M + damping.beta * sum(K.values(), start=np.zeros(pattern.nnz)),
+        n_face=3 * mesh.n_face,
+        fixed=fixed.ravel(),
+    )
+
+
+def rotations(theta: FloatArray) -> FloatArray:
+    """Block-diagonal T (e, 3a, 3a) with [6] at every node: q^P = T q^C, [7] and [11].
+
+    theta: (e, a) angles of the nodes [rad].
+    """
+    n_elements, n_nodes = theta.shape
+    R = np.zeros((n_elements, n_nodes, 3, 3))
+    R[..., 0, 0] = R[..., 2, 2] = np.cos(theta)
+    R[..., 0, 2] = np.sin(theta)
+    R[..., 2, 0] = -np.sin(theta)
+    R[..., 1, 1] = 1.0
+    T = np.zeros((n_elements, n_nodes, 3, n_nodes, 3))
+    a = np.arange(n_nodes)
+    T[:, a, :, a, :] = R.transpose(1, 0, 2, 3)
+    return T.reshape(n_elements, 3 * n_nodes, 3 * n_nodes)
+
+
+def turned(T: FloatArray, A_C: FloatArray) -> FloatArray:
+    """A_P = T A_C T^-1 with T^-1 = T^T, [12] and [13]."""
+    return T @ A_C @ T.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pattern:
+    """The sparsity that the bricks share, and where each brick's entries go."""
+
+    indptr: IntArray
+    indices: IntArray
+    slot: IntArray
+
+    @classmethod
+    def of(cls, dofs: IntArray, n: int) -> Pattern:
+        """The pattern of bricks with dofs (e, 3a) among n dofs."""
+        keys, slot = np.unique(dofs[:, :, None] * n + dofs[:, None, :], return_inverse=True)
+        indptr = np.searchsorted(keys, np.arange(n + 1) * n)
+        return cls(indptr, keys % n, slot.reshape(*dofs.shape, -1))
+
+    @property
+    def nnz(self) -> int:
+        """Entries kept."""
+        return len(self.indices)
+
+    def add(self, bricks: BoolArray, A: FloatArray) -> FloatArray:
+        """Sum the matrices A (e', 3a, 3a) of some bricks into the pattern's entries (nnz,)."""
+        total = np.bincount(self.slot[bricks].ravel(), weights=A.ravel(), minlength=self.nnz)
+        return total.astype(np.float64, copy=False)  # numpy's stubs take it for integers
