@@ -1,0 +1,127 @@
+"""The question that every solver answers: a ring of equal cells, its loads and its probes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from tyrefrf.arrays import BoolArray, ComplexArray
+from tyrefrf.errors import SolveError
+from tyrefrf.fem.assembly import CellMatrices
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RingProblem:
+    """N equal cells around the axle, with loads and probes as sparse columns.
+
+    The ring's dofs are the cells' own dofs (left section and interior), cell after cell: row
+    `cell * cell.n_own + dof`, N * n_own in all, fixed ones included.
+    loads: (rows, n_loads) nodal forces [N] of every unit load; what acts on a fixed dof goes
+        straight into the rim.
+    probes: (rows, n_probes) weights. On a free dof a weight takes the displacement, on a fixed
+    dof the force that the tyre exerts on the rim (blocked force).
+    """
+
+    cell: CellMatrices
+    n_cells: int
+    loads: csc_array
+    probes: csc_array
+
+    def __post_init__(self) -> None:
+        moves = np.tile(self.free, self.n_cells)
+        if not np.all(abs(self.loads).T @ moves):
+            raise SolveError("a load acts on nothing but the rim, which is fixed")
+
+    @property
+    def free(self) -> BoolArray:
+        """(n_own,) the cell's own dofs that move."""
+        return ~self.cell.fixed[: self.cell.n_own]
+
+    @property
+    def n_loads(self) -> int:
+        """Columns to solve for."""
+        return int(self.loads.shape[1])
+
+    @property
+    def n_ring_dofs(self) -> int:
+        """Dofs of the whole ring, fixed ones included."""
+        return self.n_cells * self.cell.n_own
+
+    def load_cells(self) -> dict[int, ComplexArray]:
+        """Forces (n_own, n_loads) by cell, of the cells that carry any."""
+        n_own = self.cell.n_own
+        coo = self.loads.tocoo()
+        forces = {
+            int(c): np.zeros((n_own, self.n_loads), complex) for c in np.unique(coo.row // n_own)
+        }
+        for row, column, value in zip(coo.row, coo.col, coo.data, strict=True):
+            forces[int(row // n_own)][row % n_own, column] += value
+        return forces
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """Displacements of the whole ring under every load.
+
+    q: (n_cells, n_own, n_loads) [m/N], zero where fixed.
+    remark: what was special about how it was found; mostly "".
+    """
+
+    q: ComplexArray
+    remark: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """One frequency line's answer.
+
+    receptance: (n_probes, n_loads) [m/N]; blocked-force probes [N/N].
+    residual: ||f - D q|| / ||f|| of the ring's equations, the worst load's.
+    remark: the field's.
+    """
+
+    receptance: ComplexArray
+    residual: float
+    remark: str = ""
+
+
+class Solver(Protocol):
+    """Built once from the problem, asked once per line."""
+
+    def field(self, omega: float) -> Field:
+        """Solve one line. Raises SingularError where the equations have no unique answer."""
+        ...
+
+
+def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
+    """Solve one line and check it against the ring's own equations.
+
+    omega: [rad/s]. Raises SolveError, which names the frequency, where there is no answer.
+    """
+    try:
+        field = solver.field(omega)
+    except SolveError as error:
+        raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: {error}") from error
+    G = ring_forces(problem, omega, field.q)
+    f = problem.loads.toarray().reshape(problem.n_cells, problem.cell.n_own, -1)
+    lack = np.linalg.norm((f - G)[:, problem.free], axis=(0, 1))
+    response = np.where(problem.free[:, None], field.q, f - G).reshape(problem.n_ring_dofs, -1)
+    residual = float(np.max(lack / np.linalg.norm(f[:, problem.free], axis=(0, 1))))
+    if not np.isfinite(residual):
+        raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: the solution is not finite")
+    return Line(problem.probes.T @ response, residual, field.remark)
+
+
+def ring_forces(problem: RingProblem, omega: float, q: ComplexArray) -> ComplexArray:
+    """D q of the whole ring, cell by cell, from uncondensed matrices: (n_cells, n_own, n_loads)."""
+    cell, N = problem.cell, problem.n_cells
+    D = cell.sparse(cell.dynamic_stiffness(omega))
+    with_right = np.concatenate([q, np.roll(q[:, : cell.n_face], -1, axis=0)], axis=1)
+    columns = with_right.transpose(1, 0, 2).reshape(cell.n_dofs, -1)
+    G = (D @ columns).reshape(cell.n_dofs, N, -1).transpose(1, 0, 2)
+    own = G[:, : cell.n_own].copy()
+    own[:, : cell.n_face] += np.roll(G[:, cell.n_own :], 1, axis=0)
+    return own
