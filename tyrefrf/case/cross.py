@@ -1,0 +1,67 @@
+"""Rules between the tables of a case.
+
+They run on the file's plain data, so that they report even where a table is wrong otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from tyrefrf.case.faults import Fault, did_you_mean, shown
+
+
+def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Yield what is wrong between the tables of a case, given as plain data of any quality."""
+    yield from _material_faults(_table(data, "geometry").get("material"), _table(data, "materials"))
+    loads, probes = _entries(data, "loads"), _entries(data, "probes")
+    hubs = [i for i, probe in probes.items() if probe.get("kind") == "hub"]
+    for i in hubs[1:]:
+        yield Fault(("probes", i, "kind"), "a second hub probe; one gives all six components")
+    names = {i: probe.get("name", "hub" if i in hubs[:1] else None) for i, probe in probes.items()}
+    load_names = {i: load.get("name") for i, load in loads.items()}
+    yield from _repeated("loads", load_names)
+    yield from _repeated("probes", names)
+    yield from _reserved(names, load_names)
+
+
+def _material_faults(used: object, materials: dict[str, Any]) -> Iterator[Fault]:
+    if not isinstance(used, str) or not materials:
+        return  # the table's own error says it
+    if used not in materials:
+        defined = f"[materials] has {', '.join(shown(name) for name in materials)}"
+        message = f"undefined material {shown(used)}; {defined}{did_you_mean(used, materials)}"
+        yield Fault(("geometry", "material"), message)
+        return
+    for name in materials:
+        if name != used:
+            message = "no region uses this material; remove it, or name it in geometry.material"
+            yield Fault(("materials", name), message)
+
+
+def _repeated(table: str, names: dict[int, object]) -> Iterator[Fault]:
+    first: dict[str, int] = {}
+    for i, name in names.items():
+        if isinstance(name, str) and first.setdefault(name, i) != i:
+            message = f"{shown(name)} is the name of {table}[{first[name]}] already; must be unique"
+            yield Fault((table, i, "name"), message)
+
+
+def _reserved(names: dict[int, object], load_names: dict[int, object]) -> Iterator[Fault]:
+    drives = {f"{name}.drive": name for name in load_names.values() if isinstance(name, str)}
+    for i, name in names.items():
+        if isinstance(name, str) and name in drives:
+            owner = f"the driving point of load {shown(drives[name])}"
+            yield Fault(("probes", i, "name"), f"{shown(name)} is reserved for {owner}")
+
+
+def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:
+    table = data.get(key)
+    return table if isinstance(table, dict) else {}
+
+
+def _entries(data: Mapping[str, Any], key: str) -> dict[int, dict[str, Any]]:
+    entries = data.get(key)
+    if not isinstance(entries, list | tuple):
+        return {}
+    return {i: entry for i, entry in enumerate(entries) if isinstance(entry, dict)}

@@ -1,0 +1,85 @@
+"""The case: everything that a run depends on, as plain frozen data.
+
+A `Case` mirrors its file: SI, and angles in degrees. Its lists are tuples; `materials` is a
+plain dict (picklable), not to be changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from tyrefrf.case.cell import Cell
+from tyrefrf.case.cross import cross_faults
+from tyrefrf.case.faults import Fault
+from tyrefrf.case.frequency import Frequency
+from tyrefrf.case.geometry import Geometry
+from tyrefrf.case.material import Material
+from tyrefrf.case.places import Load, Probe
+from tyrefrf.case.table import Name, Table
+from tyrefrf.case.units import RATE, TIME, Quantity
+
+PlotFormat = Literal["png", "pdf", "svg"]
+
+
+class Damping(Table):
+    """Viscous damping in Rayleigh's form, C = alpha M + beta K, beside the loss factors."""
+
+    alpha: Annotated[float, Quantity(RATE, ge=0)] = Field(0.0, description="factor of M [1/s]")
+    beta: Annotated[float, Quantity(TIME, ge=0)] = Field(0.0, description="factor of K [s]")
+
+
+class Solver(Table):
+    """How the ring is solved; all solvers give the same answer."""
+
+    name: Literal["recursive", "cyclic", "direct"] = Field(
+        "recursive",
+        description="recursive: doubling (the paper's); cyclic: one system per circumferential "
+        "order; direct: the whole ring, assembled",
+    )
+
+
+class Output(Table):
+    """What is written beside the results."""
+
+    plots: tuple[PlotFormat, ...] = Field(
+        ("png",), strict=False, description="formats of the plots; an empty list draws none"
+    )
+
+    def _faults(self) -> Iterator[Fault]:
+        for i, plot in enumerate(self.plots):
+            if plot in self.plots[:i]:
+                yield Fault(("plots", i), f"'{plot}' is listed twice")
+
+
+class Case(Table):
+    """A tyre, its loads and probes, and what is computed."""
+
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$",
+        description="name of the case and its results (default: the file's); up to 100 letters, "
+        "digits, '.', '_' and '-', beginning with a letter or digit",
+    )
+    title: str = Field(
+        "", pattern=r"^[^\x00-\x1f\x7f]{0,200}$", description="title of the plots, one line"
+    )
+    geometry: Geometry = Field(description="the section of the tyre")
+    materials: dict[Name, Material] = Field(
+        min_length=1, description="materials by name, as [materials.rubber]"
+    )
+    cell: Cell = Field(description="the angular cell that repeats around the axle")
+    frequency: Frequency = Field(description="the frequency lines")
+    damping: Damping = Field(Damping(), description="viscous damping")
+    loads: tuple[Load, ...] = Field(
+        strict=False, min_length=1, max_length=1000, description="the loads, each as [[loads]]"
+    )
+    probes: tuple[Probe, ...] = Field(
+        (), strict=False, max_length=10_000, description="the probes, each as [[probes]]"
+    )
+    solver: Solver = Field(Solver(), description="how the ring is solved")
+    output: Output = Field(Output(), description="what is written beside the results")
+
+    def _faults(self) -> Iterator[Fault]:
+        yield from cross_faults(self.model_dump())
