@@ -1,0 +1,81 @@
+"""Every figure of a run, as files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from tyrefrf.errors import ResultsError
+from tyrefrf.plots.driving import driving_figures
+from tyrefrf.plots.hub import hub_figures
+from tyrefrf.plots.mobility import mobility_figures
+from tyrefrf.plots.section import section_figure
+from tyrefrf.plots.style import house_style
+from tyrefrf.results.results import Results
+from tyrefrf.results.whole import whole_file
+
+FORMATS = ("png", "pdf", "svg")
+LONGEST = 80  # characters of a load's name in a file name
+
+
+def draw_plots(
+    results: Results, directory: str | Path, formats: Sequence[str] = ("png",)
+) -> list[Path]:
+    """Draw every figure of the results into a directory; the files written, in order.
+
+    formats: "png", "pdf" or "svg", one file of each for every figure; files of the same names
+    are replaced. Raises ResultsError for another format or where a file cannot be written.
+    """
+    unknown = sorted(set(formats) - set(FORMATS))
+    if unknown:
+        message = f"no plots in format {', '.join(unknown)}; there are: {', '.join(FORMATS)}"
+        raise ResultsError(message)
+    directory = Path(directory)
+    written = []
+    for stem, figure in _figures(results):
+        for form in formats:
+            path = directory / f"{stem}.{form}"
+            _save(figure, path, form)
+            written.append(path)
+    return written
+
+
+def _figures(results: Results) -> Iterator[tuple[str, Figure]]:
+    """Every figure with the stem of its file's name."""
+    taken: set[str] = set()
+    for load in results.loads:
+        stem = f"mobility_{_file_name(load.name)}"
+        for number, figure in enumerate(mobility_figures(results, load), start=1):
+            yield _unique(f"{stem}_{number}" if number > 1 else stem, taken), figure
+    for figure in driving_figures(results):
+        yield "driving_points", figure
+    for figure in hub_figures(results):
+        yield "blocked_force", figure
+    yield "section", section_figure(results)
+
+
+def _file_name(name: str) -> str:
+    """A load's name without what a file system or a shell could misread."""
+    return re.sub(r"[^\w.-]+", "_", name)[:LONGEST]
+
+
+def _unique(stem: str, taken: set[str]) -> str:
+    """The stem, numbered where it is taken, also by one that differs in case only."""
+    candidate, number = stem, 1
+    while candidate.casefold() in taken:
+        number += 1
+        candidate = f"{stem}-{number}"
+    taken.add(candidate.casefold())
+    return candidate
+
+
+def _save(figure: Figure, path: Path, form: str) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as temporary, house_style():
+            figure.savefig(temporary, format=form)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be written: {error}") from error

@@ -1,0 +1,146 @@
+"""What a run computed: responses of every load and probe, and where they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Literal, get_args
+
+import numpy as np
+
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, frozen
+from tyrefrf.errors import ResultsError
+from tyrefrf.mesh.place import Place
+from tyrefrf.mesh.section import SectionMesh
+
+Quantity = Literal["receptance", "mobility", "accelerance"]
+
+HUB = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+"""The blocked hub's components, in Cartesian axes about the wheel's centre."""
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Where results come from: the case, the program, the tyre's cells.
+
+    case_text: the case file as the user wrote it; resolved_case: as TOML with every default.
+    case_hash: of the resolved case. created: ISO 8601. sector_angle: of one cell [rad].
+    numbers: free facts of the run, such as dofs or wall time.
+    """
+
+    case_name: str
+    title: str
+    case_text: str
+    resolved_case: str
+    case_hash: str
+    version: str
+    solver: str
+    created: str
+    n_cells: int
+    sector_angle: float
+    numbers: dict[str, float | int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Results:
+    """Responses of p probes to l loads at f frequency lines; its arrays are read-only.
+
+    frequency: (f,) [Hz].
+    loads, probes: l and p places; the probe "<load>.drive" is that load's driving point.
+    receptance: (l, p, f) displacement per force [m/N], NaN where a line failed.
+    blocked_force: (l, h, f) force [N/N] and moment [N m/N] that the tyre exerts on the blocked
+        hub per unit load; h = 6 as in `HUB`, or 0 where the case asks for none.
+    solved: (f,) false where a line failed or was fitted.
+    residual: (f,) ||F - D q|| / ||F|| of the ring's equations, NaN where not solved.
+    solve_time: (f,) [s].
+    remark: f texts, empty or what was special about the line, or why it failed.
+    Raises ResultsError where the shapes do not agree.
+    """
+
+    frequency: FloatArray
+    loads: tuple[Place, ...]
+    probes: tuple[Place, ...]
+    receptance: ComplexArray
+    blocked_force: ComplexArray
+    solved: BoolArray
+    residual: FloatArray
+    solve_time: FloatArray
+    remark: tuple[str, ...]
+    section: SectionMesh
+    provenance: Provenance
+
+    def __post_init__(self) -> None:
+        lines = self.frequency.shape
+        self._expect("receptance", (len(self.loads), len(self.probes), *lines))
+        self._expect("blocked_force", (len(self.loads), len(self.hub), *lines))
+        for name in ("solved", "residual", "solve_time"):
+            self._expect(name, lines)
+        if len(self.remark) != len(self.frequency):
+            raise ResultsError(f"{len(self.remark)} remarks for {len(self.frequency)} lines")
+        frozen(self.frequency)
+
+    def _expect(self, name: str, shape: tuple[int, ...]) -> None:
+        array = getattr(self, name)
+        if array.shape != shape:
+            raise ResultsError(f"{name} has shape {array.shape}; expected {shape}")
+        frozen(array)
+
+    @property
+    def hub(self) -> tuple[str, ...]:
+        """Names of the blocked force's components: `HUB`, or none."""
+        return HUB if self.blocked_force.shape[1] else ()
+
+    @property
+    def omega(self) -> FloatArray:
+        """(f,) circular frequency [rad/s]."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def mobility(self) -> ComplexArray:
+        """(l, p, f) velocity per force, i omega H [m/(s N)]."""
+        return 1j * self.omega * self.receptance
+
+    @property
+    def accelerance(self) -> ComplexArray:
+        """(l, p, f) acceleration per force, -omega^2 H [m/(s^2 N)]."""
+        return -(self.omega**2) * self.receptance
+
+    @property
+    def failed(self) -> BoolArray:
+        """(f,) true where a line has no answer."""
+        return np.asarray(np.isnan(self.receptance).any(axis=(0, 1)))
+
+    @property
+    def n_failed(self) -> int:
+        """How many lines have no answer."""
+        return int(self.failed.sum())
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """The names of every load with every probe."""
+        return tuple((load.name, probe.name) for load in self.loads for probe in self.probes)
+
+    def response(self, load: str, probe: str, quantity: Quantity = "mobility") -> ComplexArray:
+        """(f,) the response of a probe to a load, both by name.
+
+        Raises ResultsError for a name that is not in the results.
+        """
+        _index(quantity, get_args(Quantity), "quantity")
+        i = _index(load, [place.name for place in self.loads], "load")
+        j = _index(probe, [place.name for place in self.probes], "probe")
+        response: ComplexArray = getattr(self, quantity)[i, j]
+        return response
+
+    def driving_point(self, load: str, quantity: Quantity = "mobility") -> ComplexArray:
+        """(f,) the response of a load's own point in its own direction."""
+        _index(load, [place.name for place in self.loads], "load")
+        return self.response(load, f"{load}.drive", quantity)
+
+
+def _index(name: str, names: list[str] | tuple[str, ...], what: str) -> int:
+    """Where a name stands in the list, or an error that proposes the nearest one."""
+    if name in names:
+        return names.index(name)
+    close = get_close_matches(name, names, n=1)
+    hint = f"did you mean {close[0]!r}?" if close else f"there are: {', '.join(names)}"
+    raise ResultsError(f"no {what} {name!r} in the results; {hint}")
