@@ -1,0 +1,43 @@
+"""Tyre vibrations to 3 kHz from one angular cell.
+
+Conventions, the same everywhere:
+
+- Phasor exp(+i omega t). Receptance H = q/F [m/N], mobility Y = i omega H [m/(s N)],
+  accelerance A = -omega^2 H [m/(s^2 N)] (ISO 7626-1).
+- The axle is y. e_r = (cos t, 0, sin t), e_y = (0, 1, 0), e_theta = (-sin t, 0, cos t):
+  right-handed as (r, y, theta). Dofs are in (r, y, theta) at their own node.
+- F is the force applied to the tyre: D_tot q = +F, so Re Y >= 0 at every driving point.
+- Loss factors are hysteretic and per material: K = sum of (1 + i eta_m) K_m.
+- SI units and radians inside; in case files bare angles are degrees.
+
+Source: Duhamel, Erlicher, Nguyen, A recursive finite element method for computing tyre
+vibrations (2011). Bracketed numbers in the code, [18], are its equations.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tyrefrf.case import load_case
+    from tyrefrf.results import Results, load_results, write_results
+    from tyrefrf.study.run import run
+
+__all__ = ["Results", "load_case", "load_results", "run", "write_results"]
+
+_HOME = {
+    "Results": "tyrefrf.results",
+    "load_case": "tyrefrf.case",
+    "load_results": "tyrefrf.results",
+    "run": "tyrefrf.study.run",
+    "write_results": "tyrefrf.results",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Import public names when they are first used: `tyrefrf --help` needs none of them."""
+    from importlib import import_module
+
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'tyrefrf' has no attribute {name!r}")

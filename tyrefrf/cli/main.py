@@ -1,0 +1,202 @@
+"""The command line: `tyrefrf run`, `check`, `plot`, `info`, `init`, `schema`.
+
+Results go to stdout, progress and messages to stderr. Exit status 0: complete; 1: the run or some
+lines failed; 2: the case or the command line is wrong.
+"""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from tyrefrf.errors import CaseError, CommandError, MeshError, TyreFRFError
+
+app = typer.Typer(
+    help="Tyre vibrations to 3 kHz from one angular cell, by the recursive wave finite element "
+    "method. Start with: tyrefrf init; tyrefrf check case.toml; tyrefrf run case.toml",
+    no_args_is_help=True,
+    add_completion=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+
+class SolverName(StrEnum):
+    """The solvers; all give the same answer."""
+
+    recursive = "recursive"
+    cyclic = "cyclic"
+    direct = "direct"
+
+
+class PlotFormat(StrEnum):
+    """Formats of the plots."""
+
+    png = "png"
+    pdf = "pdf"
+    svg = "svg"
+
+
+CaseFile = Annotated[
+    Optional[Path],  # noqa: UP045  typer reads it so
+    typer.Argument(metavar="CASE", help="Case file (TOML); the built-in tyre without one."),
+]
+ResultsFile = Annotated[Path, typer.Argument(metavar="RESULTS", help="Results file (HDF5).")]
+Jobs = Annotated[
+    Optional[int],  # noqa: UP045
+    typer.Option(min=1, help="Processes; all cores by default. Results do not depend on it."),
+]
+SolverOption = Annotated[
+    Optional[SolverName],  # noqa: UP045
+    typer.Option("--solver", help="Solver instead of the case's."),
+]
+Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
+Formats = Annotated[
+    Optional[list[PlotFormat]],  # noqa: UP045
+    typer.Option("--format", help="Plot format instead of the case's; may be repeated."),
+]
+
+
+@app.command()
+def run(
+    case: CaseFile = None,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; results/<case name> by default."),
+    ] = None,
+    solver: SolverOption = None,
+    jobs: Jobs = None,
+    formats: Formats = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compute the responses that CASE describes; write results and plots.
+
+    Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary. Exits 0 when every line has
+    its answer, 1 when some failed, 2 when the case is wrong.
+
+    Examples
+    --------
+      tyrefrf run case.toml
+
+      tyrefrf run case.toml --solver cyclic --jobs 1 --format png --format pdf
+
+      tyrefrf run case.toml --json > summary.json
+    """
+    from tyrefrf.cli.running import run_to_files
+
+    raise typer.Exit(
+        run_to_files(case, output, solver, jobs, _names(formats), force=force, json=json)
+    )
+
+
+@app.command()
+def check(
+    case: CaseFile = None, solver: SolverOption = None, jobs: Jobs = None, json: Json = False
+) -> None:
+    """Say what CASE would compute, how finely it is meshed and what it would cost.
+
+    Computes nothing. Exits 2 when the case is wrong, with every problem of the file.
+    """
+    from tyrefrf.cli.running import check_case
+
+    check_case(case, solver, jobs, json=json)
+
+
+@app.command()
+def plot(
+    results: ResultsFile,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; plots/ beside the results by default."),
+    ] = None,
+    formats: Formats = None,
+) -> None:
+    """Draw the plots of RESULTS again."""
+    from tyrefrf.plots import draw_plots
+    from tyrefrf.results import load_results
+
+    directory = output or results.parent / "plots"
+    for path in draw_plots(load_results(results), directory, _names(formats) or ("png",)):
+        typer.echo(str(path))
+
+
+@app.command()
+def info(results: ResultsFile, json: Json = False) -> None:
+    """Say what RESULTS holds and where it comes from."""
+    from tyrefrf.cli.report import as_json, describe, summary
+    from tyrefrf.results import load_results
+
+    found = load_results(results)
+    typer.echo(as_json(summary(found, [results])) if json else describe(found))
+
+
+@app.command()
+def init(
+    case: Annotated[Path, typer.Argument(help="Case file to write.")] = Path("case.toml"),
+    force: Force = False,
+) -> None:
+    """Write a commented starter case, and beside it the schema that editors read."""
+    from tyrefrf.case import case_schema, starter_text
+    from tyrefrf.cli.report import as_json
+
+    schema = case.parent / "tyrefrf.schema.json"
+    for path, text in ((case, starter_text()), (schema, as_json(case_schema()) + "\n")):
+        if path.exists() and not force:
+            if path == schema:
+                continue
+            raise CommandError(f"{path} exists; give another name, or --force to replace it")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        typer.echo(str(path))
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of case files, for editors to complete and check them.
+
+    Name it in a case's first line: #:schema ./tyrefrf.schema.json
+    """
+    from tyrefrf.case import case_schema
+    from tyrefrf.cli.report import as_json
+
+    typer.echo(as_json(case_schema()))
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
+) -> None:
+    if version:
+        from importlib.metadata import version as version_of
+
+        typer.echo(version_of("tyrefrf"))
+        raise typer.Exit
+
+
+def main() -> None:
+    """Run the command line and turn errors into messages and exit statuses."""
+    try:
+        app()
+    except (CaseError, MeshError, CommandError) as error:
+        _fail(error, 2)
+    except TyreFRFError as error:
+        _fail(error, 1)
+    except OSError as error:
+        _fail(error, 1)
+
+
+def _fail(error: Exception, status: int) -> None:
+    """Say what went wrong on stderr and exit."""
+    print(error, file=sys.stderr)
+    sys.exit(status)
+
+
+def _names(formats: list[PlotFormat] | None) -> tuple[str, ...]:
+    """The formats asked for, each once."""
+    return tuple(dict.fromkeys(form.value for form in formats or []))

@@ -1,0 +1,76 @@
+"""Progress on stderr: a bar with rate and remaining time on a terminal, plain lines in a log."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+SECONDS_BETWEEN_LINES = 5.0
+
+
+@contextmanager
+def progress_of(n_lines: int, what: str) -> Iterator[Callable[[int], None]]:
+    """Give a function to call with the number of frequency lines just finished."""
+    if sys.stderr.isatty():
+        with _bar(n_lines, what) as advance:
+            yield advance
+    else:
+        yield _Log(n_lines, what)
+
+
+@contextmanager
+def _bar(n_lines: int, what: str) -> Iterator[Callable[[int], None]]:
+    """A rich progress bar."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(what, total=n_lines, rate="")
+        start = time.perf_counter()
+
+        def advance(n: int) -> None:
+            done = bar.tasks[0].completed + n
+            rate = done / (time.perf_counter() - start)
+            bar.update(task, advance=n, rate=f"{rate:.1f} lines/s")
+
+        yield advance
+
+
+class _Log:
+    """A line every few seconds, and at the end."""
+
+    def __init__(self, n_lines: int, what: str) -> None:
+        self.n_lines, self.what, self.done = n_lines, what, 0
+        self.start = self.last = time.perf_counter()
+
+    def __call__(self, n: int) -> None:
+        self.done += n
+        now = time.perf_counter()
+        if now - self.last < SECONDS_BETWEEN_LINES and self.done < self.n_lines:
+            return
+        self.last = now
+        rate = self.done / (now - self.start)
+        left = (self.n_lines - self.done) / rate
+        print(
+            f"{self.what}: {self.done}/{self.n_lines} lines, {rate:.1f} lines/s, {left:.0f} s left",
+            file=sys.stderr,
+            flush=True,
+        )

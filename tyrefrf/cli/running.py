@@ -1,0 +1,89 @@
+"""`tyrefrf run` and `tyrefrf check`: from a case file to files and a summary."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+import typer
+
+from tyrefrf.case import Case, Solver, parse_case, read_text, starter_text, with_lines
+from tyrefrf.errors import CaseError, CommandError, MeshError
+
+
+def run_to_files(
+    case_file: Path | None,
+    output: Path | None,
+    solver: str | None,
+    jobs: int | None,
+    formats: Sequence[str],
+    *,
+    force: bool,
+    json: bool,
+) -> int:
+    """Run a case, write results and plots, print the summary; the exit status, 0 or 1."""
+    from tyrefrf.cli.progress import progress_of
+    from tyrefrf.cli.report import as_json, describe_run, summary
+    from tyrefrf.plots import draw_plots
+    from tyrefrf.results import write_results
+    from tyrefrf.study.run import run_case
+
+    start = time.perf_counter()
+    case, text = read_case(case_file, solver)
+    directory = output or Path("results") / case.name
+    target = directory / f"{case.name}.h5"
+    if target.exists() and not force:
+        raise CommandError(
+            f"{target} exists; --force replaces it, --output DIR writes somewhere else"
+        )
+    directory.mkdir(parents=True, exist_ok=True)
+    with progress_of(len(case.frequency.lines()), case.name) as progress, in_file(case_file, text):
+        results = run_case(case, jobs=jobs, case_text=text, progress=progress)
+    write_results(target, results)
+    drawn = draw_plots(results, directory / "plots", formats or case.output.plots)
+    facts = summary(results, [target, *drawn]) | {"seconds": time.perf_counter() - start}
+    typer.echo(as_json(facts) if json else describe_run(facts))
+    for line in facts["failed"]:
+        print(line, file=sys.stderr)
+    return 1 if facts["failed"] else 0
+
+
+def check_case(case_file: Path | None, solver: str | None, jobs: int | None, *, json: bool) -> None:
+    """Print what a case would compute."""
+    from tyrefrf.cli.report import as_json, describe_estimate
+    from tyrefrf.study.estimate import estimate
+    from tyrefrf.study.run import cores
+
+    case, text = read_case(case_file, solver)
+    with in_file(case_file, text):
+        found = estimate(case, jobs or cores())
+    typer.echo(as_json(asdict(found)) if json else describe_estimate(case, found, jobs or cores()))
+
+
+def read_case(case_file: Path | None, solver: str | None) -> tuple[Case, str]:
+    """The case of a file, or the built-in tyre, and its text; with another solver if named."""
+    text = starter_text() if case_file is None else read_text(case_file)
+    case = parse_case(text, _called(case_file), case_file.stem if case_file else "tyre")
+    if solver is not None:
+        case = case.model_copy(update={"solver": Solver.model_validate({"name": solver})})
+    return case, text
+
+
+@contextmanager
+def in_file(case_file: Path | None, text: str) -> Iterator[None]:
+    """Give the errors of meshing and placing their file and line."""
+    try:
+        yield
+    except CaseError as error:
+        raise with_lines(error, text, _called(case_file)) from None
+    except MeshError as error:
+        raise MeshError(f"{_called(case_file)}: {error}") from error
+
+
+def _called(case_file: Path | None) -> str:
+    """What messages call the case."""
+    return str(case_file) if case_file else "built-in tyre"

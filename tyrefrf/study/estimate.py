@@ -1,0 +1,219 @@
+"""What a case would compute, how finely, and what that would cost: known before it is solved."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from tyrefrf.arrays import FloatArray
+from tyrefrf.case import Case
+from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.solvers import RingProblem
+from tyrefrf.study.model import Model, build_model
+
+ENOUGH = {8: 6.0, 20: 3.0}
+"""Elements per wavelength that keep the error near a few per cent, by nodes of the brick."""
+
+JOIN_FLOPS = 43.0
+"""Operations of one join over n^3: factorisation 8/3, 2n right-hand sides 16, three products 24."""
+
+SPARSE_FLOPS = {"cyclic": 16.0, "direct": 160.0}
+"""Operations over N n w^2, w the section's half bandwidth: fitted to the homogeneous tyre."""
+
+EFFICIENCY = {"recursive": 0.7, "cyclic": 0.02, "direct": 0.02}
+"""Share of the machine's zgemm rate that a solver reaches (benchmarks/RESULTS.md)."""
+
+PROCESS_MEMORY = 130e6  # bytes of a process with numpy and scipy loaded
+START_UP = 3.0  # s: imports, worker processes, plots
+
+
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """How finely one material's waves are meshed at the top frequency.
+
+    shear, bending: wavelengths [m]; bending that of a free plate as thick as the tyre is where
+    the material is thinnest. size: longest edge along the profile or around the axle [m].
+    enough: elements per wavelength that are recommended for this element.
+    """
+
+    material: str
+    shear: float
+    bending: float
+    size: float
+    enough: float
+
+    @property
+    def per_wavelength(self) -> float:
+        """Elements in the shorter of the two wavelengths."""
+        return min(self.shear, self.bending) / self.size
+
+    @property
+    def fine(self) -> bool:
+        """Whether that is enough."""
+        return self.per_wavelength >= self.enough
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Sizes of the model, how finely it is meshed, and what solving would take.
+
+    mass: of the tyre [kg]. seconds: wall time. memory: of all processes together [bytes].
+    """
+
+    section_nodes: int
+    section_elements: int
+    cell_nodes: int
+    cell_dofs: int
+    n_cells: int
+    ring_nodes: int
+    ring_dofs: int
+    free_section_dofs: int
+    mass: float
+    n_lines: int
+    top_frequency: float
+    n_loads: int
+    n_probes: int
+    resolution: tuple[Resolution, ...]
+    warnings: tuple[str, ...]
+    seconds: float
+    memory: float
+
+
+def estimate(case: Case, jobs: int) -> Estimate:
+    """Mesh and assemble a case, solve nothing, and say what solving would take.
+
+    Raises CaseError and MeshError as a run would.
+    """
+    model = build_model(case)
+    mesh, problem = model.mesh, model.problem
+    lines = case.frequency.lines()
+    resolution = tuple(
+        _resolution(case, mesh, index, name, lines[-1]) for index, name in enumerate(mesh.materials)
+    )
+    return Estimate(
+        section_nodes=mesh.n_face,
+        section_elements=mesh.section.n_elements,
+        cell_nodes=mesh.n_nodes,
+        cell_dofs=problem.cell.n_dofs,
+        n_cells=problem.n_cells,
+        ring_nodes=mesh.n_own * problem.n_cells,
+        ring_dofs=problem.n_ring_dofs,
+        free_section_dofs=_section_dofs(problem),
+        mass=tyre_mass(problem),
+        n_lines=len(lines),
+        top_frequency=lines[-1],
+        n_loads=len(model.loads),
+        n_probes=len(model.probes),
+        resolution=resolution,
+        warnings=(*_coarse(resolution), *_small_discs(model)),
+        seconds=START_UP + len(lines) * _line_seconds(case.solver.name, problem) / jobs,
+        memory=_memory(case.solver.name, problem, jobs),
+    )
+
+
+def tyre_mass(problem: RingProblem) -> float:
+    """Mass of the whole ring [kg]: that of a unit translation along the axle."""
+    along = np.zeros(problem.cell.n_dofs)
+    along[1::3] = 1.0
+    return float(problem.n_cells * (along @ (problem.cell.sparse(problem.cell.M) @ along)))
+
+
+def element_sizes(mesh: CellMesh) -> FloatArray:
+    """Longest edge (e, 2) [m] of every brick, along the profile and around the axle."""
+    X = mesh.cartesian[mesh.bricks[:, :8]]
+    along = [(0, 3), (1, 2), (4, 7), (5, 6)]
+    around = [(0, 4), (1, 5), (2, 6), (3, 7)]
+    return np.stack(
+        [
+            np.max([np.linalg.norm(X[:, b] - X[:, a], axis=1) for a, b in edges], axis=0)
+            for edges in (along, around)
+        ],
+        axis=1,
+    )
+
+
+def _resolution(case: Case, mesh: CellMesh, index: int, name: str, top: float) -> Resolution:
+    """How finely a material's waves at the top frequency [Hz] are meshed."""
+    m = case.materials[name]
+    h = min(case.geometry.thickness.model_dump().values())
+    omega = 2.0 * np.pi * max(top, 1e-9)
+    bending_stiffness = m.E * h**3 / (12.0 * (1.0 - m.nu**2))
+    return Resolution(
+        material=name,
+        shear=float(2.0 * np.pi / omega * np.sqrt(m.E / (2.0 * (1.0 + m.nu) * m.rho))),
+        bending=float(2.0 * np.pi * (bending_stiffness / (m.rho * h * omega**2)) ** 0.25),
+        size=float(element_sizes(mesh)[mesh.material == index].max()),
+        enough=ENOUGH[mesh.bricks.shape[1]],
+    )
+
+
+def _coarse(resolution: tuple[Resolution, ...]) -> list[str]:
+    """A warning for every material that is meshed too coarsely, and what would mend it."""
+    return [
+        f"{r.material}: {r.per_wavelength:.1f} elements per wavelength at the top frequency "
+        f"({r.enough:g} recommended); elements of {1e3 * r.per_wavelength * r.size / r.enough:.2g} "
+        'mm would do (smaller cell.sector_angle, more geometry.elements_along, or "hex20")'
+        for r in resolution
+        if not r.fine
+    ]
+
+
+def _small_discs(model: Model) -> list[str]:
+    """A warning for every patch that is smaller than the elements under it."""
+    size = float(element_sizes(model.mesh).max())
+    return [
+        f"{place.name}: elements of up to {1e3 * size:.3g} mm are larger than the disc of "
+        f"{1e3 * place.diameter:.3g} mm; its local compliance is the mesh's, not the tyre's"
+        for place in (*model.loads, *model.probes[len(model.loads) :])
+        if 0.0 < place.diameter < size
+    ]
+
+
+def _section_dofs(problem: RingProblem) -> int:
+    """Dofs of a section that move: the size of the recursion's matrices."""
+    return int(problem.free[: problem.cell.n_face].sum())
+
+
+def _line_seconds(solver: str, problem: RingProblem) -> float:
+    """Seconds per line, from the operations of the solver and this machine's zgemm rate."""
+    n, N = _section_dofs(problem), problem.n_cells
+    if solver == "recursive":
+        interior = int(problem.free.sum()) - n
+        operations = JOIN_FLOPS * n**3 * _joins(N) + 8.0 * interior * (interior / 3 + 2 * n) ** 2
+    else:
+        cell = problem.cell
+        own = (cell.rows < cell.n_own) & (cell.indices < cell.n_own)
+        width = np.mean(np.bincount(cell.rows[own])) / 2.0
+        operations = SPARSE_FLOPS[solver] * N * problem.free.sum() * width**2
+    return float(operations / (EFFICIENCY[solver] * zgemm_rate()))
+
+
+def _joins(n_cells: int) -> int:
+    """Joins that a chain of n_cells takes: doublings and the sum of its binary digits."""
+    return n_cells.bit_length() - 1 + n_cells.bit_count() - 1
+
+
+def _memory(solver: str, problem: RingProblem, jobs: int) -> float:
+    """Bytes that all processes take together."""
+    n = _section_dofs(problem)
+    matrices = 6 * (_joins(problem.n_cells) + 1) if solver == "recursive" else 2
+    cell = 16.0 * (int(problem.free.sum()) + n) ** 2
+    field = 16.0 * problem.n_ring_dofs * problem.n_loads * 4
+    fill = 16.0 * 100 * problem.n_ring_dofs if solver == "direct" else 0.0
+    return jobs * (PROCESS_MEMORY + 16.0 * matrices * n**2 + cell + field + fill)
+
+
+def zgemm_rate(n: int = 256, repeats: int = 3) -> float:
+    """Operations per second of this machine's complex matrix product, one thread."""
+    from threadpoolctl import threadpool_limits
+
+    A = np.full((n, n), 1.0 + 1.0j)
+    times = []
+    with threadpool_limits(limits=1, user_api="blas"):
+        for _ in range(repeats):
+            start = time.perf_counter()
+            _ = A @ A
+            times.append(time.perf_counter() - start)
+    return 8.0 * n**3 / min(times)

@@ -1,0 +1,177 @@
+"""From the case to the ring problem: section, cell, matrices, and columns for loads and probes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csc_array, hstack
+
+from tyrefrf.case import AtNode, Case, HubProbe, OnPatch, OnSurface, Point
+from tyrefrf.errors import CaseError, MeshError, Problem
+from tyrefrf.fem.assembly import assemble_cell
+from tyrefrf.fem.columns import hub_columns, node_column, surface_column
+from tyrefrf.fem.elements import ELEMENTS
+from tyrefrf.mesh.cell import CellMesh, revolve
+from tyrefrf.mesh.place import Place
+from tyrefrf.mesh.profile import tyre_section
+from tyrefrf.mesh.surface import Surface
+from tyrefrf.solvers import RingProblem
+
+Placed = tuple[Place, csc_array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """A case made computable.
+
+    loads: places of the loads. probes: places of the probes, first the driving point of every
+    load, "<load>.drive". The problem's probes are theirs, then six of the hub if `hub`.
+    """
+
+    case: Case
+    mesh: CellMesh
+    problem: RingProblem
+    loads: tuple[Place, ...]
+    probes: tuple[Place, ...]
+    hub: bool
+
+
+def build_model(case: Case) -> Model:
+    """Mesh and assemble a case and place its loads and probes.
+
+    Raises CaseError, naming the key, where a place is not on this mesh, and MeshError where the
+    section or cell cannot be meshed.
+    """
+    mesh = build_mesh(case)
+    loads, probes = _place_all(mesh, case)
+    hub = any(isinstance(probe, HubProbe) for probe in case.probes)
+    responses = [_displacement(mesh, column) for _, column in loads + probes]
+    problem = RingProblem(
+        cell=assemble_cell(mesh, case.materials, ELEMENTS[case.cell.element], case.damping),
+        n_cells=case.cell.n_cells,
+        loads=hstack([column for _, column in loads], format="csc"),
+        probes=hstack(responses + ([hub_columns(mesh)] if hub else []), format="csc"),
+    )
+    return Model(
+        case=case,
+        mesh=mesh,
+        problem=problem,
+        loads=tuple(place for place, _ in loads),
+        probes=tuple(_driving_point(place) for place, _ in loads)
+        + tuple(place for place, _ in probes),
+        hub=hub,
+    )
+
+
+def build_mesh(case: Case) -> CellMesh:
+    """Mesh one cell of a case. Raises MeshError where its sizes do not fit together."""
+    quadratic = ELEMENTS[case.cell.element].n_nodes == 20
+    section = tyre_section(case.geometry, quadratic)
+    return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)
+
+
+def _place_all(mesh: CellMesh, case: Case) -> tuple[list[Placed], list[Placed]]:
+    """Loads and probes (the hub left out) on a mesh; one CaseError with all that are not on it."""
+    finder = _Finder(mesh)
+    placed: dict[str, list[Placed]] = {"loads": [], "probes": []}
+    problems = []
+    for table, points in (("loads", case.loads), ("probes", case.probes)):
+        for i, point in enumerate(points):
+            if isinstance(point, HubProbe):
+                continue
+            try:
+                placed[table].append(finder.find(point))
+            except MeshError as error:
+                key = "node" if getattr(point, "node", None) is not None else "s"
+                problems.append(Problem((table, i, key), str(error)))
+    if problems:
+        raise CaseError(problems)
+    return placed["loads"], placed["probes"]
+
+
+def _displacement(mesh: CellMesh, column: csc_array) -> csc_array:
+    """A column without its weights on the rim, where nothing moves and probes take forces."""
+    moves = ~np.isin(column.indices // 3 % mesh.n_own, mesh.rim)
+    indptr = np.array([0, moves.sum()])
+    return csc_array((column.data[moves], column.indices[moves], indptr), shape=column.shape)
+
+
+class _Finder:
+    """Finds places on a mesh."""
+
+    def __init__(self, mesh: CellMesh) -> None:
+        self.mesh = mesh
+        self.surfaces = {name: Surface(mesh, name) for name in ("outer", "inner")}
+
+    def find(self, point: Point) -> Placed:
+        """The place actually used, and its column over the ring's dofs.
+
+        Raises MeshError where it is not on the mesh, or on the rim, which is fixed.
+        """
+        angle = float(np.deg2rad(point.angle))
+        if isinstance(point, AtNode):
+            place, column = self._at_node(point, angle)
+        else:
+            assert isinstance(point, OnSurface)
+            place, column = self._on_surface(point, angle)
+        if _displacement(self.mesh, column).nnz == 0:
+            raise MeshError(
+                f"{point.name!r} lies on the rim, which is fixed; move it off the rim "
+                'or, for the force on the rim, use a probe of kind = "hub"'
+            )
+        return place, column
+
+    def _on_surface(self, point: OnSurface, angle: float) -> Placed:
+        """An interpolated point, or a disc around it."""
+        surface = self.surfaces[point.surface]
+        diameter = point.diameter if isinstance(point, OnPatch) else 0.0
+        centre = surface.spots(np.array([point.s]), np.array([angle]))
+        spots, share = surface.disc(point.s, angle, diameter) if diameter else (centre, np.ones(1))
+        place = Place(
+            name=point.name,
+            kind="patch" if diameter else "point",
+            surface=point.surface,
+            s=point.s,
+            r=float(centre.r[0]),
+            y=float(centre.y[0]),
+            angle=angle,
+            direction=point.direction,
+            diameter=diameter,
+        )
+        return place, surface_column(self.mesh, spots, share, point.direction, angle)
+
+    def _at_node(self, point: AtNode, angle: float) -> Placed:
+        """A node of the section by number or by place, in the nearest plane that has it."""
+        mesh = self.mesh
+        if point.node is None:
+            assert point.s is not None  # the case saw to it
+            node, plane = self.surfaces[point.surface].nearest(point.s, angle)
+        elif point.node < mesh.n_face:
+            node, plane = point.node, self.surfaces["outer"].nearest_plane(point.node, angle)
+        else:
+            raise MeshError(
+                f"node {point.node} is not in the section, which has {mesh.n_face} nodes; "
+                f"give 0 to {mesh.n_face - 1}"
+            )
+        cell, layer = divmod(plane, len(mesh.planes) - 1)
+        cell %= round(2.0 * np.pi / mesh.sector_angle)
+        number = int(mesh.planes[layer, node])
+        r, y, theta = (float(x) for x in mesh.points[number])
+        surface, s = self._surface_of(node)
+        angle = cell * mesh.sector_angle + theta
+        place = Place(point.name, "node", surface, s, r, y, angle, point.direction)
+        return place, node_column(mesh, cell, number, point.direction)
+
+    def _surface_of(self, node: int) -> tuple[str, float]:
+        """The surface that a section node lies on, and where along it; "" and NaN for neither."""
+        for name, surface in self.surfaces.items():
+            fractions = surface.fractions()
+            if node in fractions:
+                return name, fractions[node]
+        return "", float("nan")
+
+
+def _driving_point(place: Place) -> Place:
+    """The load's own place as a probe."""
+    return replace(place, name=f"{place.name}.drive")
