@@ -1,0 +1,52 @@
+"""What the numbers were measured on, and how fast it multiplies matrices."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+
+def description() -> str:
+    """Processor, cores, versions and date in one line."""
+    import os
+
+    model = platform.processor() or platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        names = [row for row in cpuinfo.read_text().splitlines() if row.startswith("model name")]
+        model = names[0].split(":", 1)[1].strip() if names else model
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "tyrefrf"))
+    return (
+        f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}, {packages}, "
+        f"{datetime.now(UTC):%Y-%m-%d}"
+    )
+
+
+def best(function: Callable[[], object], repeats: int) -> float:
+    """The shortest of several runs [s], after one to warm up: the least disturbed by others."""
+    function()
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def zgemm_rate(n: int = 512) -> float:
+    """Operations per second of a complex matrix product, at 8 n^3 operations."""
+    rng = np.random.default_rng(0)
+    A = rng.standard_normal((n, n)) + 1j * rng.standard_normal((n, n))
+    return 8.0 * n**3 / best(lambda: A @ A, 5)
+
+
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)

@@ -1,0 +1,89 @@
+"""Seconds per line of every solver, and how near the recursion comes to the machine's limit.
+
+    python -m benchmarks.speed
+
+One thread. A line is everything: forming D, condensing, joining, closing the ring, recovering
+the whole field and its residual.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from benchmarks.machine import best, description, table, zgemm_rate
+from tyrefrf.case import Case, parse_case, starter_text
+from tyrefrf.solvers import SOLVERS, solve_line
+from tyrefrf.study.model import build_model
+
+FREQUENCY = 700.0  # Hz; the operations are the same at every line
+
+
+def cases() -> dict[str, Case]:
+    """The paper's homogeneous tyre, and one of about 500 section dofs."""
+    text = starter_text()
+    fine = text
+    for old, new in (
+        ("elements_along = 28", "elements_along = 56"),
+        ("elements_through = 1", "elements_through = 2"),
+        ("sector_angle = 8.0", "sector_angle = 6.0"),
+    ):
+        assert old in fine
+        fine = fine.replace(old, new)
+    return {
+        "homogeneous": parse_case(text, "starter", "homogeneous"),
+        "fine": parse_case(fine, "fine", "fine"),
+    }
+
+
+def join_operations(n: int) -> float:
+    """Real operations of one join of chains with n dofs on a face.
+
+    Factorisation 8/3 n^3, substitution of 2n right-hand sides 16 n^3, three products 24 n^3.
+    """
+    return (8.0 / 3.0 + 16.0 + 24.0) * n**3
+
+
+def n_joins(n_cells: int) -> int:
+    """Doublings up to the longest power of two, and joins of the binary digits."""
+    return n_cells.bit_length() - 1 + n_cells.bit_count() - 1
+
+
+def measured() -> str:
+    """The table, in Markdown."""
+    rows = []
+    with threadpool_limits(limits=1, user_api="blas"):
+        rate = zgemm_rate()
+        for name, case in cases().items():
+            problem = build_model(case).problem
+            n = int(problem.free[: problem.cell.n_face].sum())
+            operations = join_operations(n) * n_joins(problem.n_cells)
+            seconds = {}
+            for solver, build in SOLVERS.items():
+                built = build(problem)
+                repeats = 3 if solver == "direct" else 10
+                seconds[solver] = best(
+                    lambda built=built, problem=problem: solve_line(  # type: ignore[misc]
+                        problem, built, 2.0 * np.pi * FREQUENCY
+                    ),
+                    repeats,
+                )
+            reached = operations / seconds["recursive"] / rate
+            rows.append(
+                [
+                    f"{name}: {n} dofs, {problem.n_cells} cells",
+                    *(f"{1e3 * seconds[solver]:.3g}" for solver in SOLVERS),
+                    f"{operations / 1e9:.2f}",
+                    f"{100.0 * reached:.0f} %",
+                ]
+            )
+    header = ["section, ring", *(f"`{solver}` [ms]" for solver in SOLVERS)]
+    header += ["operations of the joins [10^9]", "of the zgemm rate"]
+    return f"Per line, one thread, best of several; zgemm at {rate / 1e9:.0f} GF/s.\n\n" + table(
+        header, rows
+    )
+
+
+if __name__ == "__main__":
+    print(description())
+    print(measured())
