@@ -26,7 +26,8 @@ class CellMatrices:
     share one sparsity pattern (indptr, indices) of compressed rows; each is its data (nnz,).
 
     K: stiffness per material [N/m], loss-free; eta: each material's loss factor.
-    M: mass [kg]; C: viscous damping [N s/m].
+    M: mass [kg]; C: viscous damping [N s/m]. K_G, K_P: geometric and pressure stiffness [N/m] of
+    an inflated cell, both without loss; zero at rest.
     n_face: dofs of one section. fixed: (n,) dofs on the rim.
     """
 
@@ -36,6 +37,8 @@ class CellMatrices:
     eta: Mapping[str, float]
     M: FloatArray
     C: FloatArray
+    K_G: FloatArray
+    K_P: FloatArray
     n_face: int
     fixed: BoolArray
 
@@ -55,8 +58,11 @@ class CellMatrices:
         return np.repeat(np.arange(self.n_dofs), np.diff(self.indptr))
 
     def dynamic_stiffness(self, omega: float) -> ComplexArray:
-        """Entries (nnz,) of D = K + i omega C - omega^2 M, K = sum of (1 + i eta_m) K_m: [1]."""
-        D = 1j * omega * self.C - omega**2 * self.M
+        """Entries (nnz,) of D = K + K_G + K_P + i omega C - omega^2 M: [1] and below [23].
+
+        K is the sum of (1 + i eta_m) K_m over the materials.
+        """
+        D = 1j * omega * self.C - omega**2 * self.M + self.K_G + self.K_P
         for name, K in self.K.items():
             D += (1.0 + 1j * self.eta[name]) * K
         return D
@@ -76,7 +82,7 @@ def assemble_cell(
     """
     X = mesh.cartesian[mesh.bricks]
     T = rotations(mesh.points[mesh.bricks, 2])
-    dofs = (3 * mesh.bricks[:, :, None] + np.arange(3)).reshape(len(X), -1)
+    dofs = dofs_of(mesh.bricks)
     pattern = Pattern.of(dofs, 3 * mesh.n_nodes)
 
     K: dict[str, FloatArray] = {}
@@ -85,8 +91,8 @@ def assemble_cell(
         here = mesh.material == index
         stuff = materials[name]
         stiffness = element.stiffness(X[here], isotropic(stuff.E, stuff.nu))
-        K[name] = pattern.add(here, turned(T[here], stiffness))
-        M += pattern.add(here, turned(T[here], element.mass(X[here], stuff.rho)))
+        K[name] = pattern.add(dofs[here], turned(T[here], stiffness))
+        M += pattern.add(dofs[here], turned(T[here], element.mass(X[here], stuff.rho)))
 
     fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
     fixed[mesh.rim] = True
@@ -97,9 +103,16 @@ def assemble_cell(
         eta={name: materials[name].eta for name in mesh.materials},
         M=M,
         C=damping.alpha * M + damping.beta * sum(K.values(), start=np.zeros(pattern.nnz)),
+        K_G=np.zeros(pattern.nnz),
+        K_P=np.zeros(pattern.nnz),
         n_face=3 * mesh.n_face,
         fixed=fixed.ravel(),
     )
+
+
+def dofs_of(nodes: IntArray) -> IntArray:
+    """Dofs (e, 3a) of bricks or faces with nodes (e, a): (r, y, theta) node by node."""
+    return (3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), -1)
 
 
 def rotations(theta: FloatArray) -> FloatArray:
@@ -126,25 +139,36 @@ def turned(T: FloatArray, A_C: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pattern:
-    """The sparsity that the bricks share, and where each brick's entries go."""
+    """The sparsity of the cell's matrices: an entry for every two dofs that share a brick.
 
-    indptr: IntArray
-    indices: IntArray
-    slot: IntArray
+    keys: (nnz,) row * n + column of the entries, in order.
+    """
+
+    n: int
+    keys: IntArray
 
     @classmethod
     def of(cls, dofs: IntArray, n: int) -> Pattern:
         """The pattern of bricks with dofs (e, 3a) among n dofs."""
-        keys, slot = np.unique(dofs[:, :, None] * n + dofs[:, None, :], return_inverse=True)
-        indptr = np.searchsorted(keys, np.arange(n + 1) * n)
-        return cls(indptr, keys % n, slot.reshape(*dofs.shape, -1))
+        return cls(n, np.unique(dofs[:, :, None] * n + dofs[:, None, :]))
 
     @property
     def nnz(self) -> int:
         """Entries kept."""
-        return len(self.indices)
+        return len(self.keys)
 
-    def add(self, bricks: BoolArray, A: FloatArray) -> FloatArray:
-        """Sum the matrices A (e', 3a, 3a) of some bricks into the pattern's entries (nnz,)."""
-        total = np.bincount(self.slot[bricks].ravel(), weights=A.ravel(), minlength=self.nnz)
+    @property
+    def indptr(self) -> IntArray:
+        """Where each row's entries begin (n + 1,)."""
+        return np.searchsorted(self.keys, np.arange(self.n + 1) * self.n)
+
+    @property
+    def indices(self) -> IntArray:
+        """Columns of the entries (nnz,)."""
+        return self.keys % self.n
+
+    def add(self, dofs: IntArray, A: FloatArray) -> FloatArray:
+        """Sum matrices A (e, m, m) of bricks or faces with dofs (e, m) into the entries (nnz,)."""
+        slot = np.searchsorted(self.keys, dofs[:, :, None] * self.n + dofs[:, None, :])
+        total = np.bincount(slot.ravel(), weights=A.ravel(), minlength=self.nnz)
         return total.astype(np.float64, copy=False)  # numpy's stubs take it for integers

@@ -36,6 +36,19 @@ class Element(Protocol):
         """Consistent mass matrices (e, 3a, 3a) [kg]; rho: density [kg/m3]."""
         ...
 
+    @property
+    def finite_strain(self) -> bool:
+        """Whether the brick can take part in a Newton iteration on finite strains."""
+        ...
+
+    def displacement_gradient(self, X: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """H (e, g, 3, 3, 3a) [1/m] with du_i/dx_j = H u, and volumes dV (e, g) [m3]."""
+        ...
+
+    def stress(self, X: FloatArray, C: FloatArray, u: FloatArray) -> FloatArray:
+        """Stress (e, g, 6) [Pa] under small displacements u (e, 3a) [m]."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class Isoparametric:
@@ -61,6 +74,25 @@ class Isoparametric:
         grad, det = gradients(X, shape(self.natural, xi)[1])
         return strain_matrix(grad), det * w
 
+    @property
+    def finite_strain(self) -> bool:
+        """Whether strains are the displacement gradient's, as finite strains need."""
+        return True
+
+    def displacement_gradient(self, X: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """H (e, g, 3, 3, 3a) [1/m] with du_i/dx_j = H u, and volumes dV (e, g) [m3].
+
+        C is used only by bricks whose inner modes depend on it.
+        """
+        xi, w = gauss(self.points, 3)
+        grad, det = gradients(X, shape(self.natural, xi)[1])
+        return gradient_matrix(grad), det * w
+
+    def stress(self, X: FloatArray, C: FloatArray, u: FloatArray) -> FloatArray:
+        """Stress (e, g, 6) [Pa], Cartesian, under small displacements u (e, 3a) [m]."""
+        strain = np.einsum("egvn,en->egv", self.strain(X)[0], u, optimize=True)
+        return np.einsum("...vw,egw->egv", C, strain)
+
     def stiffness(self, X: FloatArray, C: FloatArray) -> FloatArray:
         """K = sum over g of B^T C B dV."""
         B, dV = self.strain(X)
@@ -84,6 +116,11 @@ class MeanDilatation(Isoparametric):
 
     n_nodes: int = 8
     points: int = 2
+
+    @property
+    def finite_strain(self) -> bool:
+        """The mean dilatation has no finite-strain form here."""
+        return False
 
     def strain(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
         """B with its dilatational part replaced by the volume's average."""
@@ -109,6 +146,25 @@ class Incompatible(Isoparametric):
     points: int = 2
     corrected: bool = True
 
+    @property
+    def finite_strain(self) -> bool:
+        """The modes are condensed, so they cannot take part in a Newton iteration."""
+        return False
+
+    def displacement_gradient(self, X: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """H of nodes and modes together, the modes following the nodes as in `stiffness`."""
+        H, dV = Isoparametric.displacement_gradient(self, X, C)
+        B, B_m = self.strain(X)[0], self.mode_strain(X)
+        follow = np.linalg.solve(energy(B_m, C, B_m, dV), energy(B_m, C, B, dV))
+        H_m = gradient_matrix(self.mode_gradients(X))
+        return H - np.einsum("egijm,emn->egijn", H_m, follow, optimize=True), dV
+
+    def stress(self, X: FloatArray, C: FloatArray, u: FloatArray) -> FloatArray:
+        """Stress (e, g, 6) [Pa], the incompatible part included."""
+        H, _ = self.displacement_gradient(X, C)
+        strain = np.einsum("vij,egijn,en->egv", VOIGT, H, u, optimize=True)
+        return np.einsum("...vw,egw->egv", C, strain)
+
     def stiffness(self, X: FloatArray, C: FloatArray) -> FloatArray:
         """K_uu - K_um K_mm^-1 K_mu, with m the modes' nine amplitudes per brick."""
         B, dV = self.strain(X)
@@ -120,6 +176,10 @@ class Incompatible(Isoparametric):
 
     def mode_strain(self, X: FloatArray) -> FloatArray:
         """Strain matrices (e, g, 6, 9) [1/m] of the incompatible modes."""
+        return strain_matrix(self.mode_gradients(X))
+
+    def mode_gradients(self, X: FloatArray) -> FloatArray:
+        """Cartesian gradients (e, g, mode, 3) [1/m] of the three incompatible modes."""
         xi, _ = gauss(self.points, 3)
         dm = -2.0 * xi[:, None, :] * np.eye(3)  # (g, mode, d)
         _, det = gradients(X, shape(self.natural, xi)[1])
@@ -127,7 +187,7 @@ class Incompatible(Isoparametric):
         grad = np.linalg.solve(J0, np.broadcast_to(dm.transpose(0, 2, 1), (len(X), *dm.shape)))
         if self.corrected:
             grad = grad * (np.linalg.det(J0) / det)[:, :, None, None]
-        return strain_matrix(grad.transpose(0, 1, 3, 2))
+        return grad.transpose(0, 1, 3, 2)
 
 
 ELEMENTS: dict[str, Element] = {
@@ -162,6 +222,12 @@ def strain_matrix(grad: FloatArray) -> FloatArray:
     """B (e, g, 6, 3a) [1/m] from gradients (e, g, a, 3)."""
     B = np.einsum("vij,egaj->egvai", VOIGT, grad, optimize=True)
     return B.reshape(*B.shape[:3], -1)
+
+
+def gradient_matrix(grad: FloatArray) -> FloatArray:
+    """H (e, g, 3, 3, 3a) [1/m] with du_i/dx_j = H u, from gradients (e, g, a, 3)."""
+    H = np.einsum("ik,egaj->egijak", np.eye(3), grad, optimize=True)
+    return H.reshape(*H.shape[:4], -1)
 
 
 def energy(B_a: FloatArray, C: FloatArray, B_b: FloatArray, dV: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ import numpy as np
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.errors import MeshError
 from tyrefrf.mesh.section import SectionMesh
+from tyrefrf.mesh.shapes import QUAD4, QUAD8, shape
 
 if TYPE_CHECKING:
     from tyrefrf.case import Geometry
@@ -37,12 +38,13 @@ def tyre_section(geometry: Geometry, quadratic: bool) -> SectionMesh:
     centre, normal, thickness = _stations(geometry, n_stations)
     offset = np.linspace(-0.5, 0.5, n_offsets)
     grid = centre[:, None] + (thickness[:, None] * offset)[..., None] * normal[:, None]
-    if np.any(np.einsum("kjx,kx->kj", np.diff(grid, axis=0), _rotated(normal[:-1])) <= 0.0):
+    section = _grid_section(grid, step, geometry.material)
+    if _folded(section):
         raise MeshError(
             "the section folds over itself: it is thicker than twice the radius of its bends; "
             "make geometry.thickness smaller, or section_width or widest_radius larger"
         )
-    return _grid_section(grid, step, geometry.material)
+    return section
 
 
 def _stations(geometry: Geometry, n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -137,6 +139,15 @@ def _grid_section(grid: FloatArray, step: int, material: str) -> SectionMesh:
         outer=_edges(number[:, -1], step),
         inner=_edges(number[:, 0], step),
     )
+
+
+def _folded(section: SectionMesh) -> bool:
+    """Whether a quadrilateral is turned inside out anywhere: on a grid of 5 x 5 natural points."""
+    nodes = QUAD4 if section.quads.shape[1] == 4 else QUAD8
+    line = np.linspace(-1.0, 1.0, 5)
+    _, dN = shape(nodes, np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2))
+    J = np.einsum("gak,eai->egki", dN, section.points[section.quads], optimize=True)
+    return bool(np.any(np.linalg.det(J) <= 0.0))
 
 
 def _edges(line: IntArray, step: int) -> IntArray:
