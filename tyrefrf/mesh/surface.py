@@ -81,6 +81,16 @@ class Surface:
         share = np.repeat(w / 2.0 / n_angles, n_angles)
         return self.spots(s + along, angle + around / r), share
 
+    def faces(self) -> IntArray:
+        """Cell nodes (f, 4) or (f, 8) of all brick faces of one cell on the surface.
+
+        In the order of QUAD4 or QUAD8, the first natural axis along the profile from y < 0 to
+        y > 0, the second around the axle: at the crown their product points outwards.
+        """
+        n_layers = (len(self.mesh.planes) - 1) // (2 if len(self._line) == 3 else 1)
+        edge, layer = np.meshgrid(np.arange(len(self.edges)), np.arange(n_layers), indexing="ij")
+        return self._face_nodes(edge.ravel(), layer.ravel())
+
     def nearest(self, s: float, angle: float) -> tuple[int, int]:
         """The node nearest to a place: its number in the section and its plane in the ring.
 
