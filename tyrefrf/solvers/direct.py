@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csc_array
 
-from tyrefrf.solvers.cyclic import factorise_sparse
+from tyrefrf.solvers.cyclic import solve_sparse
 from tyrefrf.solvers.problem import Field, RingProblem
 
 
@@ -31,5 +31,5 @@ class Direct:
         A = csc_array((entries, (self._rows, self._columns)), shape=(self._n, self._n))
         free = np.tile(problem.free, problem.n_cells)
         q = np.zeros((problem.n_ring_dofs, problem.n_loads), complex)
-        q[free] = factorise_sparse(A).solve(problem.loads.toarray()[free].astype(complex))
-        return Field(q.reshape(problem.n_cells, problem.cell.n_own, -1))
+        q[free] = solve_sparse(A, problem.loads.toarray()[free].astype(complex))
+        return Field.checked(problem, omega, q.reshape(problem.n_cells, problem.cell.n_own, -1))

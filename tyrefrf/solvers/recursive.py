@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray
@@ -12,13 +14,18 @@ from tyrefrf.solvers.cyclic import Cyclic
 from tyrefrf.solvers.factor import factorise
 from tyrefrf.solvers.problem import Field, RingProblem
 
+RESIDUAL_TRUSTED = 1e-8
+"""Residual up to which the recursion's own answer stands. Near an undamped resonance of a chain
+it loses digits long before a condition estimate calls the face singular."""
+
 
 class Recursive:
     """[3]-[5], [16]-[18] and [19]-[22] of the paper, for loads in any sections and cells.
 
     Sections that carry a load are kept while the chains between them are built; all others come
     back from the joints' own factors. Where a chain with fixed ends resonates without damping,
-    its face cannot be eliminated: such a line is solved by `Cyclic`, and says so.
+    its face cannot be eliminated, and near that only with loss of digits: such a line is solved
+    by `Cyclic`, and says so.
     """
 
     def __init__(self, problem: RingProblem) -> None:
@@ -34,11 +41,16 @@ class Recursive:
 
     def field(self, omega: float) -> Field:
         """Solve one line; omega [rad/s]. Raises SingularError if the ring itself resonates."""
+        problem = self.problem
         try:
-            return Field(self._solve(self.problem.cell.dynamic_stiffness(omega)))
+            q = self._solve(problem.cell.dynamic_stiffness(omega))
+            field = Field.checked(problem, omega, q)
+            if field.residual <= RESIDUAL_TRUSTED:
+                return field
+            why = f"a chain of cells nearly resonates here (residual {field.residual:.0e})"
         except SingularError:
-            spare = self._spare.field(omega)
-            return Field(spare.q, "a chain of cells resonates undamped here: solved by `cyclic`")
+            why = "a chain of cells resonates undamped here"
+        return replace(self._spare.field(omega), remark=f"{why}: solved by `cyclic`")
 
     def _solve(self, D: ComplexArray) -> ComplexArray:
         """Displacements (n_cells, n_own, n_loads) from the cell's dynamic stiffness entries."""

@@ -1,0 +1,93 @@
+"""The ring's equations by circumferential order: A_h = P_h^H D P_h.
+
+With q_{j+1} = q_j exp(i mu), mu = 2 pi h / N, a cell's displacements follow from its own dofs,
+P_h = [own; right section = left section times exp(i mu)], and the right section's forces come
+home to the left one with exp(-i mu).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import splu
+
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from tyrefrf.fem.assembly import CellMatrices
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Folded:
+    """A cell's matrix as entries of A = straight + on exp(i mu) + back exp(-i mu)."""
+
+    straight: ComplexArray | FloatArray
+    on: ComplexArray | FloatArray
+    back: ComplexArray | FloatArray
+
+    def at(self, mu: float) -> ComplexArray:
+        """Entries of A_h at mu = 2 pi h / N."""
+        turn = np.exp(1j * mu)
+        return self.straight + turn * self.on + self.back / turn
+
+
+class Orders:
+    """Folds a cell's matrices onto its own dofs that move; index maps are made once.
+
+    n: size of A_h.
+    """
+
+    def __init__(self, cell: CellMatrices) -> None:
+        n_own = cell.n_own
+        free = ~cell.fixed[:n_own]
+        self.n = int(free.sum())
+        self._keep = ~(cell.fixed[cell.rows] | cell.fixed[cell.indices])
+        rows, columns = cell.rows[self._keep], cell.indices[self._keep]
+        turns = (columns >= n_own).astype(int) - (rows >= n_own)  # exponents of exp(i mu)
+        number = np.cumsum(free) - 1
+        row, column = (number[np.where(d >= n_own, d - n_own, d)] for d in (rows, columns))
+        keys, slot = np.unique(column * self.n + row, return_inverse=True)
+        self._indices = keys % self.n
+        self._indptr = np.searchsorted(keys, np.arange(self.n + 1) * self.n)
+        self._collect = [_collector(slot, turns == turn, len(keys)) for turn in (0, 1, -1)]
+
+    def folded(self, entries: ComplexArray | FloatArray) -> Folded:
+        """A matrix in the cell's pattern (nnz,), folded."""
+        kept = entries[self._keep]
+        return Folded(*(collect @ kept for collect in self._collect))
+
+    def matrix(self, entries: ComplexArray) -> csc_array:
+        """A_h (n, n) as scipy knows it, from what `Folded.at` gives."""
+        return csc_array((entries, self._indices, self._indptr), shape=(self.n, self.n))
+
+
+def _collector(slot: IntArray, here: BoolArray, n_slots: int) -> csr_array:
+    """Sums the cell's entries that are `here` into the folded pattern."""
+    entries = np.flatnonzero(here)
+    return csr_array((np.ones(len(entries)), (slot[entries], entries)), shape=(n_slots, len(slot)))
+
+
+def unstable_orders(cell: CellMatrices, n_cells: int) -> dict[int, int]:
+    """Circumferential orders at which the static stiffness is indefinite, and by how many.
+
+    The loss-free K + K_G + K_P at rest has as many negative eigenvalues at order h as its
+    triangular factor has negative pivots (Sylvester). An empty answer: the tyre is stable.
+    """
+    orders = Orders(cell)
+    static = sum(cell.K.values(), start=cell.K_G + cell.K_P)
+    folded = orders.folded(static)
+    counts = {
+        h: _negative_eigenvalues(orders.matrix(folded.at(2.0 * np.pi * h / n_cells)))
+        for h in range(n_cells // 2 + 1)
+    }
+    return {h: count for h, count in counts.items() if count}
+
+
+def _negative_eigenvalues(A: csc_array) -> int:
+    """How many eigenvalues of a Hermitian matrix are negative."""
+    factor = splu(
+        A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    if np.array_equal(factor.perm_r, factor.perm_c):  # pivots from the diagonal: A = L D L^H
+        return int(np.sum(factor.U.diagonal().real < 0.0))
+    return int(np.sum(np.linalg.eigvalsh(A.toarray()) < 0.0))
