@@ -41,6 +41,15 @@ def test_every_element_is_filled_in_its_own_place(made):
     np.testing.assert_allclose(first, 1e3 * corners[:, ::-1])
 
 
+def test_elements_have_the_colour_of_their_material_in_the_legend(made):
+    figure = section_figure(made)
+    figure.draw_without_rendering()  # outside the house style, as a user saves it
+    (legend,) = figure.legends
+    shown = [patch.get_facecolor() for patch in legend.get_patches()]
+    drawn = [tuple(elements.get_facecolor()[0]) for elements in polygons(figure.axes[0])]
+    assert drawn == shown[: len(drawn)]
+
+
 def test_an_element_of_eight_nodes_is_drawn_along_its_edges(made):
     section = made.section
     ends = section.points[section.quads]

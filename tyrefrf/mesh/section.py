@@ -13,7 +13,8 @@ class SectionMesh:
 
     points: (n, 2) r and y of every node [m].
     quads: (e, 4) or (e, 8) node numbers, counter-clockwise in (r, y); of eight, the corners
-        first, then the mid-sides, the first of them between corners 0 and 1.
+        first, then the mid-sides, the first of them between corners 0 and 1. Corners 0 and 1
+        lie along the thickness, from the inside out: the axes of layers follow.
     material: (e,) index into `materials`.
     materials: names, in the order of the indices.
     rim: numbers of the nodes on the rim.

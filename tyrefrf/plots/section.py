@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -60,7 +61,7 @@ def _draw_elements(axes: Axes, section: SectionMesh) -> list[Patch]:
     handles = []
     for number, material in enumerate(section.materials):
         look: dict[str, Any] = {
-            "facecolor": f"C{number % 10}",
+            "facecolor": to_hex(f"C{number % 10}"),  # now: a collection asks again when drawn
             "hatch": HATCHES[number % len(HATCHES)],
         }
         look |= {"edgecolor": "0.3", "linewidth": 0.6, "alpha": 0.45}
