@@ -17,15 +17,13 @@ The table does not show bending, vibration, or bricks distorted worse than the s
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import cos, degrees, radians
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 from tyrefrf.arrays import BoolArray, FloatArray
+from tyrefrf.case import Damping, Isotropic
 from tyrefrf.fem.assembly import assemble_cell, rotations
 from tyrefrf.fem.elements import ELEMENTS, Element, jacobian
 from tyrefrf.fem.quadrature import gauss
@@ -83,7 +81,7 @@ def error(vessel: Vessel, element: Element, nu: float) -> float:
     R, s = vessel.stations_at(r, y)
     axes, free = sliding_axes(vessel, s, theta)
 
-    matrices = assemble_cell(mesh, materials(nu), element, SimpleNamespace(alpha=0.0, beta=0.0))  # type: ignore[arg-type]  # only alpha and beta are read
+    matrices = assemble_cell(mesh, {"rubber": Isotropic(E=E, nu=nu, rho=1.0)}, element, Damping())
     K = axes @ matrices.sparse(matrices.K["rubber"]) @ axes.T
     f = axes @ rotations(theta[None])[0] @ pressure_load(mesh)
     u = np.zeros(len(f))
@@ -92,11 +90,6 @@ def error(vessel: Vessel, element: Element, nu: float) -> float:
     exact = np.zeros((len(R), 3))
     exact[:, 0] = vessel.displacement(R, nu)
     return float(np.linalg.norm(u - exact.ravel()) / np.linalg.norm(exact))
-
-
-def materials(nu: float) -> Mapping[str, Any]:
-    """The one material, as the assembly reads it."""
-    return {"rubber": SimpleNamespace(E=E, nu=nu, rho=1.0, eta=0.0)}
 
 
 def sliding_axes(vessel: Vessel, s: FloatArray, theta: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -23,12 +23,13 @@ ONE_CHANGE = {
     "unknown key": (
         "rho = 1200\n",
         "rho = 1200\netha = 0.1\n",
-        "7: materials.rubber.etha: unknown key; did you mean 'eta'?",
+        "7: materials.rubber.etha: unknown key for kind 'isotropic'; did you mean 'eta'?",
     ),
     "unknown key like nothing": (
         "rho = 1200\n",
         "rho = 1200\ncolour = 'black'\n",
-        "7: materials.rubber.colour: unknown key; the keys here are E, nu, rho, eta",
+        "7: materials.rubber.colour: unknown key for kind 'isotropic'; "
+        "the keys here are E, nu, rho, eta, modulus, E_static, kind",
     ),
     "unknown table": (
         "[cell]\n",
@@ -77,7 +78,8 @@ ONE_CHANGE = {
         "[cell]\nsector_angle = 8\n",
         "cell = 8\n",
         "1: cell: missing: the angular cell that repeats around the axle",
-        "7: materials.rubber.cell: unknown key; the keys here are E, nu, rho, eta",
+        "7: materials.rubber.cell: unknown key for kind 'isotropic'; "
+        "the keys here are E, nu, rho, eta, modulus, E_static, kind",
     ),
     "number for a load": (
         "[[loads]]\n" + LOAD,
@@ -239,6 +241,11 @@ ONE_CHANGE = {
         "[geometry]\ntread_width = 0.17\n",
         "2: geometry.tread_width: 0.17 m is too large; must be below section_width = 0.17 m",
     ),
+    "layer that is no table": (
+        "[geometry]\n",
+        "[geometry]\nbead = 'steel'\n",
+        "2: geometry.bead: 'steel' is not a table",
+    ),
     # places
     "angle beyond the turn": (
         "s = 0.5",
@@ -344,6 +351,131 @@ def test_one_change_gives_exactly_this_message(small, old, new, expected):
     assert messages(small.replace(old, new, 1)) == [f"t.toml:{line}" for line in expected]
 
 
+LAYERS = """\
+[geometry]
+elements_along = 40
+elements_through = 2
+material = "rubber"
+[geometry.tread]
+material = "rubber"
+[geometry.belt]
+material = "rubber"
+[geometry.bead]
+material = "rubber"
+"""
+
+# what is changed in the small case with layers: old text, new text, every line reported
+ONE_LAYER = {
+    "layer without a material": (
+        '[geometry.tread]\nmaterial = "rubber"\n',
+        "[geometry.tread]\n",
+        "5: geometry.tread.material: missing: name of the tread's material, one of [materials]",
+    ),
+    "unknown key": (
+        "[geometry.belt]\n",
+        "[geometry.belt]\nwide = 0.1\n",
+        "8: geometry.belt.wide: unknown key; did you mean 'width'?",
+    ),
+    "unknown layer": (
+        "[geometry.belt]\n",
+        "[geometry.belts]\n",
+        "7: geometry.belts: unknown key; did you mean 'belt'?",
+    ),
+    "undefined material": (
+        '[geometry.belt]\nmaterial = "rubber"',
+        '[geometry.belt]\nmaterial = "ruber"',
+        "8: geometry.belt.material: undefined material 'ruber'; [materials] has 'rubber'; "
+        "did you mean 'rubber'?",
+    ),
+    "undefined materials": (
+        'material = "rubber"\n[geometry.tread]\nmaterial = "rubber"',
+        'material = "rbber"\n[geometry.tread]\nmaterial = "tread"',
+        "4: geometry.material: undefined material 'rbber'; [materials] has 'rubber'; "
+        "did you mean 'rubber'?",
+        "6: geometry.tread.material: undefined material 'tread'; [materials] has 'rubber'",
+    ),
+    "unused material": (
+        "[cell]",
+        "[materials.steel]\nE = '200 GPa'\nnu = 0.3\nrho = 7800\n[cell]",
+        "15: materials.steel: no region uses this material; remove it, or name it in "
+        "geometry.material, geometry.tread.material, geometry.belt.material, "
+        "geometry.bead.material",
+    ),
+    "tread of an odd number of elements": (
+        "[geometry.tread]\n",
+        "[geometry.tread]\nelements_along = 23\n",
+        "6: geometry.tread.elements_along: 23 is odd; must be even, for a node at mid-tread; "
+        "nearest: 24",
+    ),
+    "tread of no elements": (
+        "[geometry.tread]\n",
+        "[geometry.tread]\nelements_along = 0\n",
+        "6: geometry.tread.elements_along: 0 is out of range; must be at least 2",
+    ),
+    "tread longer than the section": (
+        "[geometry.tread]\n",
+        "[geometry.tread]\nelements_along = 40\n",
+        "6: geometry.tread.elements_along: 40 leaves too few for the sidewalls and beads; "
+        "must be at most 36 with elements_along = 40",
+    ),
+    "tread as thick as the wall": (
+        "[geometry.tread]\n",
+        "[geometry.tread]\nthickness = '14 mm'\n",
+        "6: geometry.tread.thickness: 0.014 m is too large; must be below thickness.crown = "
+        "0.014 m",
+    ),
+    "tread's edge as thick as the wall": (
+        "[geometry.tread]\n",
+        "[geometry.tread]\nedge_thickness = '17 mm'\n",
+        "6: geometry.tread.edge_thickness: 0.017 m is too large; must be below "
+        "thickness.shoulder = 0.016 m",
+    ),
+    "belt as thick as what is under the tread": (
+        "[geometry.belt]\n",
+        "[geometry.belt]\nthickness = '6 mm'\n",
+        "8: geometry.belt.thickness: 0.006 m is too large; must be below thickness.crown - "
+        "tread.thickness = 0.006 m",
+    ),
+    "belt of all elements": (
+        "[geometry.belt]\n",
+        "[geometry.belt]\nelements_through = 2\n",
+        "3: geometry.elements_through: 2 leaves no element for the carcass under the belt; "
+        "must be at least 3, one more than belt.elements_through",
+    ),
+    "core as thick as the bead": (
+        "[geometry.bead]\n",
+        "[geometry.bead]\nthickness = '12 mm'\n",
+        "10: geometry.bead.thickness: 0.012 m is too large; must be below thickness.bead = 0.012 m",
+    ),
+    "core as high as the widest place": (
+        "[geometry.bead]\n",
+        "[geometry.bead]\nheight = '60 mm'\n",
+        "10: geometry.bead.height: 0.06 m is too large; must be below widest_radius - "
+        "inner_radius = 0.057 m",
+    ),
+    "core of all elements": (
+        "elements_through = 2",
+        "elements_through = 1",
+        "3: geometry.elements_through: 1 leaves no element for the carcass under the belt; "
+        "must be at least 2, one more than belt.elements_through",
+        "3: geometry.elements_through: 1 leaves no element for the carcass outside the bead's "
+        "core; must be at least 2, one more than bead.elements_through",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [(old, new, expected) for old, new, *expected in ONE_LAYER.values()],
+    ids=ONE_LAYER,
+)
+def test_one_change_of_a_layer_gives_exactly_this_message(small, old, new, expected):
+    text = small.replace('[geometry]\nmaterial = "rubber"\n', LAYERS)
+    assert old in text
+    parse_case(text, "t.toml", "small")
+    assert messages(text.replace(old, new, 1)) == [f"t.toml:{line}" for line in expected]
+
+
 MANY = """\
 titel = "x"
 [geometry]
@@ -383,7 +515,7 @@ def test_all_problems_of_a_file_are_reported_at_once_in_its_order():
         "t.toml:4: geometry.outer_radius: unknown unit 'mmm'; use one of m, cm, mm, um; "
         "did you mean 'mm'?",
         "t.toml:5: materials.tread.rho: missing: density [kg/m3]",
-        "t.toml:6: materials.tread.etha: unknown key; did you mean 'eta'?",
+        "t.toml:6: materials.tread.etha: unknown key for kind 'isotropic'; did you mean 'eta'?",
         "t.toml:7: materials.tread.E: unknown unit 'Mpa'; use one of Pa, kPa, MPa, GPa, bar; "
         "did you mean 'MPa'?",
         "t.toml:8: materials.tread.nu: 0.5 is out of range; must be below 0.5",

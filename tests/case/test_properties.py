@@ -26,6 +26,8 @@ from tyrefrf.case import (
 from tyrefrf.errors import CaseError
 
 STARTER = tomllib.loads(starter_text())
+SHIPPED = Path(__file__).parents[2] / "cases"
+LAYERED = tomllib.loads((SHIPPED / "paper" / "layered.toml").read_text())
 
 words = st.sampled_from(
     ["rubber", "7 deg", "node", "hub", "radial", "r", "log", "png", "14 mm", "1 kHz", "", "a/b"]
@@ -56,9 +58,9 @@ def places(data, key=()):
 
 @st.composite
 def spoilt(draw):
-    """Draw the starter case with a few values replaced, added or removed."""
-    data = copy.deepcopy(STARTER)
-    for key in draw(st.lists(st.sampled_from(places(STARTER)), min_size=1, max_size=3)):
+    """Draw the starter or the layered case with a few values replaced, added or removed."""
+    data = copy.deepcopy(draw(st.sampled_from([STARTER, LAYERED])))
+    for key in draw(st.lists(st.sampled_from(places(data)), min_size=1, max_size=3)):
         here = data
         for part in key[:-1]:
             here = here[part] if isinstance(here, dict | list) and part in _parts(here) else {}
@@ -117,6 +119,10 @@ def test_a_case_survives_being_written_and_read_again(thickness, E, material, pr
     data = copy.deepcopy(STARTER) | {"probes": probes}
     data["materials"] = {material: {"E": E, "nu": -0.5, "rho": "1.2 g/cm3"}}
     data["geometry"] |= {"thickness": thickness, "material": material}
+    data["sweep"] = {
+        f"materials.{material}.E": [E],
+        f"eta_{material}": {"range": [0, 1], "count": 3},
+    }
     case = build_case(data, "tyre")
     assert parse_case(resolved_toml(case), "t.toml", "other") == case
 

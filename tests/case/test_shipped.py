@@ -1,10 +1,10 @@
-"""The shipped case and the starter case are the paper's homogeneous tyre."""
+"""The shipped cases are the paper's tyres; the starter case is its homogeneous one."""
 
 from __future__ import annotations
 
 import pytest
 
-from tyrefrf.case import Geometry, Output, load_case, parse_case, starter_text
+from tyrefrf.case import Bead, Belt, Geometry, Output, Tread, load_case, parse_case, starter_text
 
 
 @pytest.fixture(params=["starter", "shipped"])
@@ -15,7 +15,8 @@ def case(request, shipped):
 
 
 def test_it_is_the_papers_tyre(case):
-    assert case.materials["rubber"].model_dump() == {"E": 80e6, "nu": 0.42, "rho": 1200, "eta": 0.1}
+    rubber = case.materials["rubber"].model_dump(exclude_none=True)
+    assert rubber == {"E": 80e6, "nu": 0.42, "rho": 1200, "eta": 0.1}
     assert (case.cell.n_cells, case.cell.elements_around, case.cell.element) == (45, 1, "hex8i")
     assert (case.geometry.elements_along, case.geometry.elements_through) == (28, 1)
 
@@ -37,6 +38,36 @@ def test_it_has_probes_along_the_section_and_the_hub(case):
     names = ["mid-tread opposite", "tread edge", "shoulder", "sidewall", "bead", "hub"]
     assert [probe.name for probe in case.probes] == names
     assert case.output == Output()
+
+
+def test_the_layered_case_has_the_materials_of_table_1(shipped):
+    case = load_case(shipped / "paper" / "layered.toml")
+    table = {name: (m.rho, m.E, m.nu, m.eta) for name, m in case.materials.items()}
+    assert table == {
+        "rubber": (1000.0, 28e6, 0.48, 0.1),
+        "reinforced": (2500.0, 400e6, 0.4, 0.1),
+        "steel": (7850.0, 2e11, 0.33, 0.0),
+    }
+    assert (case.cell.n_cells, case.cell.element) == (60, "hex8i")
+
+
+def test_a_short_layered_case_is_the_papers(shipped):
+    case = load_case(shipped / "paper" / "layered.toml")
+    short = Geometry(
+        material="rubber",
+        elements_along=40,
+        elements_through=2,
+        tread=Tread(material="rubber", elements_along=24),
+        belt=Belt(material="reinforced"),
+        bead=Bead(material="steel"),
+    )
+    assert case.geometry == short
+
+
+def test_every_case_names_the_schema_on_its_first_line(shipped):
+    for file in shipped.rglob("*.toml"):
+        up = "../" * (len(file.relative_to(shipped).parts) - 1) or "./"
+        assert file.read_text().splitlines()[0] == f"#:schema {up}tyrefrf.schema.json", file
 
 
 @pytest.mark.parametrize("name", ["homogeneous.toml"])

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.linalg import splu
 
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from tyrefrf.case import Damping, Isotropic
 from tyrefrf.fem.assembly import CellMatrices, assemble_cell
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh, revolve
@@ -132,9 +132,8 @@ def crooked_section(element: Element) -> SectionMesh:
 
 def cell_of(mesh: CellMesh, element: Element, E: float, nu: float, rho: float) -> CellMatrices:
     """The cell's matrices, lossless and undamped."""
-    rubber = SimpleNamespace(E=E, nu=nu, rho=rho, eta=0.0)
-    undamped = SimpleNamespace(alpha=0.0, beta=0.0)
-    return assemble_cell(mesh, {"rubber": rubber}, element, undamped)
+    rubber = Isotropic(E=E, nu=nu, rho=rho)
+    return assemble_cell(mesh, {"rubber": rubber}, element, Damping())
 
 
 def dense(cell: CellMatrices) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from fem.blocks import box, crooked_section, revolve
 
+from tyrefrf.case import Isotropic
 from tyrefrf.errors import MeshError
 from tyrefrf.fem.assembly import CellMatrices, assemble_cell
 from tyrefrf.fem.elasticity import isotropic
@@ -21,8 +22,8 @@ from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
 
 ROUND_OFF = 1e-14  # of the largest entry
-RUBBER = SimpleNamespace(E=28e6, nu=0.45, rho=1100.0, eta=0.1)
-TREAD = SimpleNamespace(E=400e6, nu=0.3, rho=1500.0, eta=0.05)
+RUBBER = Isotropic(E=28e6, nu=0.45, rho=1100.0, eta=0.1)
+TREAD = Isotropic(E=400e6, nu=0.3, rho=1500.0, eta=0.05)
 DAMPING = SimpleNamespace(alpha=3.0, beta=2e-5)
 OMEGA = 2.0 * np.pi * 150.0
 
@@ -41,7 +42,7 @@ def layered(element: Element) -> CellMesh:
     return revolve(section, np.deg2rad(8.0), 1)
 
 
-def assembled(element: Element, **materials: SimpleNamespace) -> CellMatrices:
+def assembled(element: Element, **materials: Isotropic) -> CellMatrices:
     return assemble_cell(
         layered(element), {"rubber": RUBBER, "tread": TREAD, **materials}, element, DAMPING
     )
@@ -50,7 +51,7 @@ def assembled(element: Element, **materials: SimpleNamespace) -> CellMatrices:
 @all_elements
 def test_stiffness_is_linear_in_the_modulus_of_each_material(element):
     once = assembled(element)
-    twice = assembled(element, tread=SimpleNamespace(**{**vars(TREAD), "E": 2.0 * TREAD.E}))
+    twice = assembled(element, tread=TREAD.model_copy(update={"E": 2.0 * TREAD.E}))
     largest = np.abs(twice.K["tread"]).max()
     assert np.abs(twice.K["tread"] - 2.0 * once.K["tread"]).max() <= ROUND_OFF * largest
     assert np.array_equal(twice.K["rubber"], once.K["rubber"])

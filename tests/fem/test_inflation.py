@@ -58,12 +58,13 @@ def torus(element: Element) -> CellMesh:
 def inflated(
     mesh: CellMesh, element: Element, kind: str, pressure: float, held: FloatArray | None = None
 ) -> Inflation:
-    """The mesh under pressure, with some dofs (n_nodes, 3) held."""
+    """The mesh under pressure, with some dofs (n_nodes, 3) held; its K in full."""
     cell = cell_of(mesh, element, E, NU, RHO)
     if held is not None:
         cell = replace(cell, fixed=held.ravel())
     C = {mesh.materials[0]: isotropic(E, NU)}
-    return getattr(Inflatable(mesh, element, cell, C, C), kind)(pressure)
+    state = getattr(Inflatable(mesh, element, cell, C, C), kind)(pressure)
+    return replace(state, K={**cell.K, **state.K})
 
 
 def free_torus(name: str, kind: str, pressure: float) -> tuple[CellMesh, Inflation]:

@@ -2,11 +2,22 @@
 
 from tyrefrf.case.cell import Cell
 from tyrefrf.case.frequency import Frequency
-from tyrefrf.case.geometry import Geometry, Thickness
+from tyrefrf.case.geometry import Bead, Belt, Geometry, Thickness, Tread
+from tyrefrf.case.grid import Grid, make_grid
+from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.load import build_case, load_case, parse_case, read_text
 from tyrefrf.case.locate import with_lines
-from tyrefrf.case.material import Material
+from tyrefrf.case.material import (
+    Cord,
+    Isotropic,
+    Material,
+    Orthotropic,
+    Ply,
+    Transverse,
+    Viscoelastic,
+)
 from tyrefrf.case.model import Case, Damping, Output, Solver
+from tyrefrf.case.modulus import FractionalZener, ModulusLaw, PronySeries, Shift, TabledModulus
 from tyrefrf.case.places import (
     AtNode,
     HubProbe,
@@ -24,33 +35,53 @@ from tyrefrf.case.places import (
 from tyrefrf.case.resolved import case_hash, resolved, resolved_toml
 from tyrefrf.case.schema import case_schema
 from tyrefrf.case.starter import starter_text
+from tyrefrf.case.sweep import Range, Values
 
 __all__ = [
     "AtNode",
+    "Bead",
+    "Belt",
     "Case",
     "Cell",
+    "Cord",
     "Damping",
+    "FractionalZener",
     "Frequency",
     "Geometry",
+    "Grid",
     "HubProbe",
+    "Inflation",
+    "Isotropic",
     "Load",
     "Material",
+    "ModulusLaw",
     "NodeLoad",
     "NodeProbe",
     "OnPatch",
     "OnSurface",
+    "Orthotropic",
     "Output",
     "PatchLoad",
     "PatchProbe",
+    "Ply",
     "Point",
     "PointProbe",
     "Probe",
+    "PronySeries",
+    "Range",
+    "Shift",
     "Solver",
+    "TabledModulus",
     "Thickness",
+    "Transverse",
+    "Tread",
+    "Values",
+    "Viscoelastic",
     "build_case",
     "case_hash",
     "case_schema",
     "load_case",
+    "make_grid",
     "parse_case",
     "read_text",
     "resolved",

@@ -9,11 +9,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tyrefrf.case.faults import Fault, did_you_mean, shown
+from tyrefrf.case.reach import reach_faults
+
+REGIONS = ("tread", "belt", "bead")
+"""Sub-tables of geometry that name a material of their own."""
 
 
 def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield what is wrong between the tables of a case, given as plain data of any quality."""
-    yield from _material_faults(_table(data, "geometry").get("material"), _table(data, "materials"))
+    yield from _material_faults(_table(data, "geometry"), _table(data, "materials"))
+    yield from reach_faults(_table(data, "materials"), data.get("frequency"))
+    yield from _inflation_faults(_table(data, "inflation"), _table(data, "cell"))
     loads, probes = _entries(data, "loads"), _entries(data, "probes")
     hubs = [i for i, probe in probes.items() if probe.get("kind") == "hub"]
     for i in hubs[1:]:
@@ -25,18 +31,40 @@ def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _reserved(names, load_names)
 
 
-def _material_faults(used: object, materials: dict[str, Any]) -> Iterator[Fault]:
-    if not isinstance(used, str) or not materials:
+def _material_faults(geometry: dict[str, Any], materials: dict[str, Any]) -> Iterator[Fault]:
+    used = _region_materials(geometry)
+    if not materials or not all(isinstance(name, str) for name in used.values()):
         return  # the table's own error says it
-    if used not in materials:
-        defined = f"[materials] has {', '.join(shown(name) for name in materials)}"
-        message = f"undefined material {shown(used)}; {defined}{did_you_mean(used, materials)}"
-        yield Fault(("geometry", "material"), message)
-        return
+    undefined = {key: str(name) for key, name in used.items() if name not in materials}
+    defined = f"[materials] has {', '.join(shown(name) for name in materials)}"
+    for key, name in undefined.items():
+        message = f"undefined material {shown(name)}; {defined}{did_you_mean(name, materials)}"
+        yield Fault(("geometry", *key), message)
+    if undefined:
+        return  # what seems unused may be what was meant
     for name in materials:
-        if name != used:
-            message = "no region uses this material; remove it, or name it in geometry.material"
+        if name not in used.values():
+            regions = ", ".join(".".join(("geometry", *key)) for key in used)
+            message = f"no region uses this material; remove it, or name it in {regions}"
             yield Fault(("materials", name), message)
+
+
+def _region_materials(geometry: dict[str, Any]) -> dict[tuple[str, ...], object]:
+    """The material that each region of the section names, by its key within geometry."""
+    used: dict[tuple[str, ...], object] = {("material",): geometry.get("material")}
+    for region in REGIONS:
+        table = geometry.get(region)
+        if table is not None:
+            table = table if isinstance(table, dict) else {}
+            used[region, "material"] = table.get("material")
+    return used
+
+
+def _inflation_faults(inflation: dict[str, Any], cell: dict[str, Any]) -> Iterator[Fault]:
+    element = cell.get("element", "hex8i")
+    if inflation.get("kind") == "nonlinear" and element in ("hex8i", "hex8"):
+        message = f"'nonlinear' needs bricks with finite strains; cell.element is {shown(element)}"
+        yield Fault(("inflation", "kind"), f"{message}; use hex20 or hex20r, or kind = 'linear'")
 
 
 def _repeated(table: str, names: dict[int, object]) -> Iterator[Fault]:

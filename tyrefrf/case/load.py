@@ -14,6 +14,7 @@ from tyrefrf.case.cross import cross_faults
 from tyrefrf.case.locate import with_lines
 from tyrefrf.case.messages import problems_of
 from tyrefrf.case.model import Case
+from tyrefrf.case.parameters import sweep_faults
 from tyrefrf.errors import CaseError, Problem
 
 MAX_BYTES = 10_000_000
@@ -56,10 +57,14 @@ def build_case(data: Mapping[str, Any], name: str) -> Case:
     """Return the case of plain data, as tomllib reads it; the problems have no lines."""
     named = {"name": name, **data}
     try:
-        return Case.model_validate(named)
+        case = Case.model_validate(named)
     except ValidationError as error:
         between = [Problem(fault.key, fault.message) for fault in cross_faults(named)]
         raise CaseError([*problems_of(error), *between]) from None
+    swept = [Problem(fault.key, fault.message) for fault in sweep_faults(case)]
+    if swept:
+        raise CaseError(swept)
+    return case
 
 
 def _parse_toml(text: str, file: str) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from types import UnionType
+from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -17,6 +17,7 @@ from tyrefrf.errors import Key, Problem
 _KINDS = {
     "float_type": "a number",
     "finite_number": "a finite number",
+    "bool_type": "true or false",
     "int_type": "a whole number",
     "int_from_float": "a whole number",
     "string_type": "text in quotes",
@@ -32,12 +33,13 @@ _BOUNDS = {
 }
 
 
-def problems_of(error: ValidationError) -> list[Problem]:
-    """Return one problem per thing wrong within a table of the case.
+def problems_of(error: ValidationError, at: Key = ()) -> list[Problem]:
+    """Return one problem per thing wrong within a table of the case, or in a value `at` a key.
 
     What is wrong between tables is left to `cross_faults`, which sees the whole file.
     """
     details = error.errors(include_url=False)
+    details = [{**detail, "loc": at + detail["loc"]} for detail in details]
     return [problem for detail in details for problem in _problems(detail)]
 
 
@@ -54,6 +56,10 @@ def _problems(detail: ErrorDetails) -> Iterator[Problem]:
             yield Problem(key, f"missing: {_description(loc)}")
         case "extra_forbidden":
             yield Problem(key, _unknown_key(loc))
+        case "union_tag_not_found" if isinstance(found, dict):
+            yield Problem((*key, "kind"), f"missing: one of {', '.join(_kinds(_inside(loc)))}")
+        case "union_tag_not_found":
+            yield Problem(key, f"{shown(found)} is not a table")
         case "union_tag_invalid":
             message = _not_one_of(context["tag"], context["expected_tags"])
             yield Problem((*key, "kind"), message)
@@ -74,9 +80,9 @@ def _problems(detail: ErrorDetails) -> Iterator[Problem]:
 
 
 def _without_tag(loc: Key) -> Key:
-    """Drop the load's or probe's kind, which pydantic puts behind its index."""
+    """Drop the kinds of tables, which pydantic puts behind their names or indices."""
     loc = loc[:-1] if loc[-1:] == ("[key]",) else loc
-    return loc[:2] + loc[3:] if loc[:1] in (("loads",), ("probes",)) else loc
+    return tuple(part for n, part in enumerate(loc) if not _kinds(_inside(loc[:n])))
 
 
 def _not_one_of(found: object, expected: str) -> str:
@@ -88,12 +94,13 @@ def _not_one_of(found: object, expected: str) -> str:
 def _wrong_length(kind: str, length: int, context: dict[str, Any]) -> str:
     if kind == "too_long":
         return f"{length} entries are too many; must be at most {context['max_length']}"
-    return f"is empty; must have at least {context['min_length']}"
+    found = f"has only {length}" if length else "is empty"
+    return f"{found}; must have at least {context['min_length']}"
 
 
 def _unknown_key(loc: Key) -> str:
     fields = _inside(loc[:-1]).model_fields
-    here = f" for kind '{loc[2]}'" if "kind" in fields else ""
+    here = f" for kind '{loc[-2]}'" if "kind" in fields else ""
     hint = did_you_mean(str(loc[-1]), fields) or f"; the keys here are {', '.join(fields)}"
     return f"unknown key{here}{hint}"
 
@@ -109,15 +116,37 @@ def _inside(loc: Key) -> Any:
     here: Any = Case
     for part in loc:
         here = _step(here, part)
-    return here
+    return _bare(here)
 
 
 def _step(here: Any, part: str | int) -> Any:
+    here = _bare(here)
     if isinstance(here, type) and issubclass(here, BaseModel):
-        return here.model_fields[str(part)].annotation
-    origin, args = get_origin(here), get_args(here)
-    if origin is Annotated:
-        return _step(args[0], part)
-    if origin in (Union, UnionType):
-        return next(get_args(kind)[0] for kind in args if Tag(str(part)) in kind.__metadata__)
-    return args[-1] if origin is dict else args[0]
+        field = here.model_fields.get(str(part))
+        return field.annotation if field else None
+    kinds = _kinds(here)
+    if kinds:
+        return kinds[str(part)]
+    args = get_args(here) or (None,)
+    return args[-1] if get_origin(here) is dict else args[0]
+
+
+def _kinds(here: Any) -> dict[str, Any]:
+    """Return the tables that stand at a place by their `kind`; none if it takes only one."""
+    here = _bare(here)
+    if get_origin(here) not in (Union, UnionType):
+        return {}
+    return {
+        tag.tag: get_args(kind)[0]
+        for kind in get_args(here)
+        for tag in getattr(kind, "__metadata__", ())
+        if isinstance(tag, Tag)
+    }
+
+
+def _bare(here: Any) -> Any:
+    """Return a type without its annotations, and without the None of a key that may be absent."""
+    origin, args = get_origin(here), [arg for arg in get_args(here) if arg is not NoneType]
+    if origin is Annotated or (origin in (Union, UnionType) and len(args) == 1):
+        return _bare(args[0])
+    return here

@@ -16,8 +16,10 @@ from tyrefrf.case.cross import cross_faults
 from tyrefrf.case.faults import Fault
 from tyrefrf.case.frequency import Frequency
 from tyrefrf.case.geometry import Geometry
+from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.material import Material
 from tyrefrf.case.places import Load, Probe
+from tyrefrf.case.sweep import Sweep
 from tyrefrf.case.table import Name, Table
 from tyrefrf.case.units import RATE, TIME, Quantity
 
@@ -72,6 +74,7 @@ class Case(Table):
     cell: Cell = Field(description="the angular cell that repeats around the axle")
     frequency: Frequency = Field(description="the frequency lines")
     damping: Damping = Field(Damping(), description="viscous damping")
+    inflation: Inflation = Field(Inflation(), description="internal pressure")
     loads: tuple[Load, ...] = Field(
         strict=False, min_length=1, max_length=1000, description="the loads, each as [[loads]]"
     )
@@ -80,6 +83,11 @@ class Case(Table):
     )
     solver: Solver = Field(Solver(), description="how the ring is solved")
     output: Output = Field(Output(), description="what is written beside the results")
+    sweep: Sweep = Field(
+        {},
+        description="values that `tyrefrf sweep --param NAME` takes: a list, or "
+        "{ range = [first, last], count = n, spacing = \"linear\" }",
+    )
 
     def _faults(self) -> Iterator[Fault]:
         yield from cross_faults(self.model_dump())

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Field, Tag
 
-from tyrefrf.case.faults import Fault, refusal, shown
-from tyrefrf.case.table import Name, Table
+from tyrefrf.case.faults import Fault, refusal
+from tyrefrf.case.table import Name, Table, by_kind
 from tyrefrf.case.units import ANGLE, LENGTH, Quantity
 
 Direction = Literal["r", "y", "theta"]
@@ -112,27 +112,13 @@ class HubProbe(Table):
     name: Name = Field("hub", description=_NAME)
 
 
-def _by_kind(default: str) -> Discriminator:
-    """Choose the table by its `kind`."""
-
-    def kind(entry: object) -> str:
-        value = (
-            entry.get("kind", default)
-            if isinstance(entry, dict)
-            else getattr(entry, "kind", default)
-        )
-        return value if isinstance(value, str) else shown(value)
-
-    return Discriminator(kind)
-
-
 Load = Annotated[
-    Annotated[NodeLoad, Tag("node")] | Annotated[PatchLoad, Tag("patch")], _by_kind("node")
+    Annotated[NodeLoad, Tag("node")] | Annotated[PatchLoad, Tag("patch")], by_kind("node")
 ]
 Probe = Annotated[
     Annotated[PointProbe, Tag("point")]
     | Annotated[NodeProbe, Tag("node")]
     | Annotated[PatchProbe, Tag("patch")]
     | Annotated[HubProbe, Tag("hub")],
-    _by_kind("point"),
+    by_kind("point"),
 ]

@@ -13,7 +13,12 @@ from tyrefrf.case.model import Case
 
 def resolved(case: Case) -> dict[str, Any]:
     """Return the case as plain data; keys without a value are left out."""
-    return case.model_dump(exclude_none=True)
+    data = case.model_dump(exclude_none=True)
+    return data if case.sweep else _unswept(data)
+
+
+def _unswept(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in data.items() if key != "sweep"}
 
 
 def resolved_toml(case: Case) -> str:
@@ -22,6 +27,9 @@ def resolved_toml(case: Case) -> str:
 
 
 def case_hash(case: Case) -> str:
-    """Return the SHA-256 of the resolved case, however its file is written."""
-    canonical = json.dumps(resolved(case), sort_keys=True, separators=(",", ":"))
+    """Return the SHA-256 of the resolved case, however its file is written.
+
+    `[sweep]` has no part in it: no result of the case itself depends on that table.
+    """
+    canonical = json.dumps(_unswept(resolved(case)), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, model_validator
 
-from tyrefrf.case.faults import Fault, refusal
+from tyrefrf.case.faults import Fault, refusal, shown
 
 Name = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]{1,100}$")]
 """A name that labels a curve: one line, stored in the results."""
@@ -28,3 +28,17 @@ class Table(BaseModel):
         if faults:
             raise refusal(*faults)
         return self
+
+
+def by_kind(default: str | None) -> Discriminator:
+    """Choose among tables by their `kind`; `default` where it is left out, if it may be."""
+
+    def kind(entry: object) -> str | None:
+        value = (
+            entry.get("kind", default)
+            if isinstance(entry, dict)
+            else getattr(entry, "kind", default)
+        )
+        return value if value is None or isinstance(value, str) else shown(value)
+
+    return Discriminator(kind)

@@ -9,15 +9,18 @@ measured in tests/fem; see section 4 of the README's limits.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 
-from tyrefrf.arrays import FloatArray
+from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.errors import MeshError
 from tyrefrf.fem.elasticity import VOIGT
 from tyrefrf.fem.quadrature import gauss
 from tyrefrf.mesh.shapes import HEX8, HEX20, shape
+
+Stiffness = TypeVar("Stiffness", FloatArray, ComplexArray)
+"""Real, or complex as the elasticity that it comes from."""
 
 
 class Element(Protocol):
@@ -28,8 +31,16 @@ class Element(Protocol):
         """Nodes per brick: 8 or 20."""
         ...
 
-    def stiffness(self, X: FloatArray, C: FloatArray) -> FloatArray:
-        """Stiffness matrices (e, 3a, 3a) [N/m]; C: (6, 6) or (e, 1, 6, 6) elasticity [Pa]."""
+    def stiffness(self, X: FloatArray, C: Stiffness) -> Stiffness:
+        """Stiffness matrices (e, 3a, 3a) [N/m]; C: (6, 6) or (e, g, 6, 6) elasticity [Pa]."""
+        ...
+
+    def tangents(self, X: FloatArray) -> FloatArray:
+        """Rows dx/dxi, dx/deta, dx/dzeta (e, g, 3, 3) [m] at the stiffness's Gauss points."""
+        ...
+
+    def full_strain(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """B (e, g, 6, 3a + modes) [1/m] of nodes, then incompatible modes; dV (e, g) [m3]."""
         ...
 
     def mass(self, X: FloatArray, rho: float) -> FloatArray:
@@ -93,7 +104,15 @@ class Isoparametric:
         strain = np.einsum("egvn,en->egv", self.strain(X)[0], u, optimize=True)
         return np.einsum("...vw,egw->egv", C, strain)
 
-    def stiffness(self, X: FloatArray, C: FloatArray) -> FloatArray:
+    def tangents(self, X: FloatArray) -> FloatArray:
+        """Rows dx/dxi, dx/deta, dx/dzeta (e, g, 3, 3) [m] at the stiffness's Gauss points."""
+        return jacobian(X, shape(self.natural, gauss(self.points, 3)[0])[1])
+
+    def full_strain(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """B and dV: there are no modes."""
+        return self.strain(X)
+
+    def stiffness(self, X: FloatArray, C: Stiffness) -> Stiffness:
         """K = sum over g of B^T C B dV."""
         B, dV = self.strain(X)
         return energy(B, C, B, dV)
@@ -165,7 +184,12 @@ class Incompatible(Isoparametric):
         strain = np.einsum("vij,egijn,en->egv", VOIGT, H, u, optimize=True)
         return np.einsum("...vw,egw->egv", C, strain)
 
-    def stiffness(self, X: FloatArray, C: FloatArray) -> FloatArray:
+    def full_strain(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """B of the nodes and of the nine modes, and dV."""
+        B, dV = self.strain(X)
+        return np.concatenate([B, self.mode_strain(X)], axis=-1), dV
+
+    def stiffness(self, X: FloatArray, C: Stiffness) -> Stiffness:
         """K_uu - K_um K_mm^-1 K_mu, with m the modes' nine amplitudes per brick."""
         B, dV = self.strain(X)
         B_m = self.mode_strain(X)
@@ -230,7 +254,7 @@ def gradient_matrix(grad: FloatArray) -> FloatArray:
     return H.reshape(*H.shape[:4], -1)
 
 
-def energy(B_a: FloatArray, C: FloatArray, B_b: FloatArray, dV: FloatArray) -> FloatArray:
+def energy(B_a: FloatArray, C: Stiffness, B_b: FloatArray, dV: FloatArray) -> Stiffness:
     """Sum over g of B_a^T C B_b dV: (e, n_a, n_b) [N/m]."""
     stress = (C @ B_b) * dV[..., None, None]
     n_elements, n_gauss, n_strains = B_a.shape[:3]

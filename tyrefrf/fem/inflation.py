@@ -18,8 +18,10 @@ from tyrefrf.fem.assembly import CellMatrices, Pattern, dofs_of, rotations, turn
 from tyrefrf.fem.columns import axes
 from tyrefrf.fem.elasticity import VOIGT
 from tyrefrf.fem.elements import Element
+from tyrefrf.fem.orientation import layer_axes
 from tyrefrf.fem.pressure import pressure_forces, pressure_stiffness
 from tyrefrf.fem.prestress import TENSOR, Deformed, geometric_stiffness
+from tyrefrf.fem.relaxation import Reassembly, Relaxation
 from tyrefrf.fem.statics import PeriodicCell
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.mesh.surface import Surface
@@ -53,7 +55,8 @@ class Inflation:
         order rr, yy, tt, ry, yt, tr [Pa]; nonlinear: second Piola-Kirchhoff.
     resultant: (3,) pressure force on the cell in the axes (r, y, theta) of its middle [N].
     steps: how it converged.
-    K: material stiffness about the state by material; K_G, K_P: as in `CellMatrices`.
+    K, relaxation: by material where they are others than at rest: material stiffness about the
+        state, and what becomes of it at a frequency; K_G, K_P: all as in `CellMatrices`.
     """
 
     displacement: FloatArray
@@ -61,13 +64,23 @@ class Inflation:
     resultant: FloatArray
     steps: tuple[LoadStep, ...]
     K: Mapping[str, FloatArray]
+    relaxation: Mapping[str, Relaxation]
     K_G: FloatArray
     K_P: FloatArray
 
     def applied_to(self, cell: CellMatrices, *, pressure_stiffness: bool) -> CellMatrices:
-        """The cell's matrices about this state; the paper leaves the pressure stiffness out."""
+        """The cell's matrices about this state; the paper leaves the pressure stiffness out.
+
+        Mass and viscous damping stay those of the cell at rest.
+        """
         K_P = self.K_P if pressure_stiffness else np.zeros_like(self.K_P)
-        return replace(cell, K=self.K, K_G=self.K_G, K_P=K_P)
+        return replace(
+            cell,
+            K={**cell.K, **self.K},
+            relaxation={**cell.relaxation, **self.relaxation},
+            K_G=self.K_G,
+            K_P=K_P,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,7 +143,8 @@ class Inflatable:
             stress=self._brick_stress(stress),
             resultant=self._resultant(f),
             steps=(LoadStep(1.0, 1, self._size(lack) / self._size(load)),),
-            K=self.cell.K,
+            K={},
+            relaxation={},
             K_G=K_G,
             K_P=self._pressure_stiffness(at_rest, pressure),
         )
@@ -143,7 +157,8 @@ class Inflatable:
         """
         if not self.element.finite_strain:
             raise SolveError("this brick has no finite-strain form; use hex20 or hex20r")
-        q, share, step = np.zeros(self.cell.n_dofs), 0.0, 1.0
+        q: FloatArray = np.zeros(self.cell.n_dofs)
+        share, step = 0.0, 1.0
         steps: list[LoadStep] = []
         while share < 1.0:
             target = min(1.0, share + step)
@@ -178,7 +193,10 @@ class Inflatable:
     def _about(self, q: FloatArray, pressure: float, steps: tuple[LoadStep, ...]) -> Inflation:
         """Everything that vibration about the deformed state q needs."""
         K, stress, K_G = {}, {}, self._zero()
+        relaxation: dict[str, Relaxation] = {}
         for bricks, state in self._deformed(q):
+            if isinstance(at_rest := self.cell.relaxation[bricks.name], Reassembly):
+                relaxation[bricks.name] = self._reassembled(at_rest, bricks, state)
             K[bricks.name] = self._add(bricks, state.material_stiffness(bricks.dynamic))
             K_G += self._add(bricks, state.geometric_stiffness())
             stress[bricks.name] = state.S
@@ -188,9 +206,17 @@ class Inflatable:
             resultant=self._resultant(self._pressure_forces(q, pressure)),
             steps=steps,
             K=K,
+            relaxation=relaxation,
             K_G=K_G,
             K_P=self._pressure_stiffness(q, pressure),
         )
+
+    def _reassembled(self, at_rest: Reassembly, bricks: _Bricks, state: Deformed) -> Reassembly:
+        """The parts of a stiffness that changes its form with frequency, about a state."""
+        of_layer = layer_axes(self.element.tangents(bricks.X))
+        slots = self._pattern.slots(dofs_of(self.mesh.bricks[bricks.numbers]))
+        T = self._T[bricks.numbers]
+        return Reassembly.of(at_rest.stuff, state.B, state.dV, of_layer, T, slots)
 
     def _lack(self, q: FloatArray, p: float) -> tuple[FloatArray, FloatArray]:
         """Pressure less inner forces, and pressure forces, both (n_own,)."""

@@ -1,0 +1,145 @@
+"""Lines on which a matrix of the method is singular: a part of the tyre resonates undamped.
+
+A chain with both ends held resonates at the eigenfrequencies of its assembled matrices; there its
+face cannot be eliminated although the ring has a perfectly good answer. On a resonance of the
+ring itself, and for a free tyre at 0 Hz, there is none.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rings import (
+    THETA,
+    R,
+    Y,
+    clamped_frequencies,
+    lossless,
+    omegas,
+    ring_frequencies,
+    section_error,
+    tyre,
+    with_steel_belt,
+)
+
+from tyrefrf.errors import SolveError
+from tyrefrf.solvers import SOLVERS, Direct, Recursive, factor, solve_line
+
+UNDAMPED = 1e-7  # a ring's own resonance is never far: measured 1e-12 to 1e-9
+RING_CELLS = [3, 7, 45]
+
+
+def loads(ring):
+    return ring.point_loads((0, 3, R), (ring.n_cells // 2, 5, THETA))
+
+
+@pytest.mark.parametrize("mode", [0, 1, 5])
+@pytest.mark.parametrize("n_ring", RING_CELLS)
+@pytest.mark.parametrize(
+    ("n_chain", "elements_around"),
+    [(1, 2), (2, 1), (4, 1)],
+    ids=["inside of a cell", "two cells", "four cells"],
+)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_resonance_of_a_held_chain_is_answered(solver, n_chain, elements_around, n_ring, mode):
+    ring = lossless(tyre(n_cells=n_ring, elements_along=4, elements_around=elements_around))
+    omega = clamped_frequencies(ring, n_chain)[mode]
+    expected, _ = ring.cartesian.solve(omega, loads(ring))
+
+    field = SOLVERS[solver](ring.problem(loads(ring))).field(omega)
+
+    assert section_error(field.q, expected, ring.cell.n_face) < UNDAMPED
+
+
+@pytest.mark.parametrize("n_ring", [7, 45])
+@pytest.mark.parametrize(("n_chain", "elements_around"), [(1, 2), (2, 1), (4, 1)])
+def test_the_recursion_says_who_solved_the_line(n_chain, elements_around, n_ring):
+    ring = lossless(tyre(n_cells=n_ring, elements_along=4, elements_around=elements_around))
+    problem = ring.problem(loads(ring))
+    omega = clamped_frequencies(ring, n_chain)[0]
+
+    line = solve_line(problem, Recursive(problem), omega)
+    beside = solve_line(problem, Recursive(problem), 0.9 * omega)
+
+    assert line.remark == "a chain of cells resonates undamped here: solved by `cyclic`"
+    assert line.residual < UNDAMPED
+    assert beside.remark == ""
+
+
+@pytest.mark.parametrize("offset", [1e-12, 1e-10, 1e-8, 1e-6, 1e-4])
+def test_near_a_resonance_of_two_cells_of_the_papers_tyre(offset):
+    """The condition estimate does not notice from 1e-10 on; the residual does."""
+    paper = lossless(tyre())
+    problem = paper.problem(paper.point_loads((0, 29, R)))
+    omega = clamped_frequencies(paper, 2)[3] * (1.0 + offset)
+    expected = Direct(problem).field(omega).q
+
+    field = Recursive(problem).field(omega)
+
+    assert section_error(field.q, expected, paper.cell.n_face) < UNDAMPED
+    assert field.residual < UNDAMPED
+    assert field.remark.endswith("solved by `cyclic`")
+
+
+@pytest.mark.parametrize("mode", [0, 1, 7, 30])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_resonance_of_the_undamped_ring_is_an_error_that_names_it(solver, mode):
+    ring = lossless(tyre(n_cells=7, elements_along=4))
+    problem = ring.problem(ring.point_loads((0, 3, R), (3, 5, THETA), (1, 4, Y)))
+    omega = ring_frequencies(ring)[mode]
+
+    with pytest.raises(SolveError, match=rf"^{omega / 2 / np.pi:.6g} Hz: .*add a loss factor"):
+        solve_line(problem, SOLVERS[solver](problem), omega)
+
+
+@pytest.mark.parametrize("element", ["hex8i", "hex20"])
+@pytest.mark.parametrize("eta", [0.0, 0.1])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_free_tyre_at_0_hz_is_an_error_that_names_it(solver, eta, element):
+    damped = tyre(element, n_cells=12, elements_along=4)
+    ring = (damped if eta else lossless(damped)).with_free_rim()
+    problem = ring.problem(ring.point_loads((0, 3, R), (5, 5, THETA)))
+
+    with pytest.raises(SolveError, match=r"^0 Hz: .*fix the rim"):
+        solve_line(problem, SOLVERS[solver](problem), 0.0)
+
+
+def test_free_tyre_moves_as_a_rigid_body_at_low_frequency():
+    """At 0.5 Hz, -omega^2 m q = F for an axial force, all around the tyre."""
+    ring = tyre(n_cells=12, elements_along=4).with_free_rim()
+    everywhere = ring.columns(
+        {ring.dof(c, n, Y): 1.0 for c in range(12) for n in range(ring.mesh.n_own)}
+    )
+    problem = ring.problem(everywhere)
+    omega = omegas(0.5)[0]
+    mass = 12 * ring.cell.sparse(ring.cell.M).toarray()[Y::3, Y::3].sum()
+    n = 12 * ring.mesh.n_own
+
+    H = solve_line(problem, Recursive(problem), omega).receptance[0, 0]
+
+    assert pytest.approx(-(n**2) / (omega**2 * mass), rel=1e-3) == H
+
+
+def test_load_on_nothing_but_the_rim_is_an_error():
+    ring = tyre(n_cells=8, elements_along=4)
+    with pytest.raises(SolveError, match="rim"):
+        ring.problem(ring.point_loads((0, 4, R), (2, 0, Y)))
+
+
+@pytest.mark.parametrize(
+    ("ring", "least", "worst"),
+    [(tyre(), 3e-5, 48.55), (with_steel_belt(tyre()), 3e-8, 16.44)],
+    ids=["homogeneous", "steel belt"],
+)
+def test_damped_tyres_stay_far_from_the_singular_limit(ring, least, worst, monkeypatch):
+    """The numbers in RCOND_MIN's docstring; `worst` is where 600 random lines came closest."""
+    monkeypatch.setattr(factor, "RCOND_MIN", least)
+    problem = ring.problem(ring.point_loads((0, 29, R), (7, 20, THETA)))
+    solver = Recursive(problem)
+
+    lines = [
+        solve_line(problem, solver, omega) for omega in omegas(0.0, worst, *range(150, 3001, 150))
+    ]
+
+    assert {line.remark for line in lines} == {""}
+    assert max(line.residual for line in lines) < 1e-8
