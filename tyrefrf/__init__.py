@@ -20,17 +20,39 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tyrefrf.case import load_case
-    from tyrefrf.results import Results, load_results, write_results
+    from tyrefrf.results import (
+        Results,
+        SweepResults,
+        load_results,
+        load_sweep,
+        write_results,
+        write_sweep,
+    )
     from tyrefrf.study.run import run
+    from tyrefrf.study.sweep import sweep
 
-__all__ = ["Results", "load_case", "load_results", "run", "write_results"]
+__all__ = [
+    "Results",
+    "SweepResults",
+    "load_case",
+    "load_results",
+    "load_sweep",
+    "run",
+    "sweep",
+    "write_results",
+    "write_sweep",
+]
 
 _HOME = {
     "Results": "tyrefrf.results",
+    "SweepResults": "tyrefrf.results",
     "load_case": "tyrefrf.case",
     "load_results": "tyrefrf.results",
+    "load_sweep": "tyrefrf.results",
     "run": "tyrefrf.study.run",
+    "sweep": "tyrefrf.study.sweep",
     "write_results": "tyrefrf.results",
+    "write_sweep": "tyrefrf.results",
 }
 
 

@@ -86,7 +86,7 @@ class Case(Table):
     sweep: Sweep = Field(
         {},
         description="values that `tyrefrf sweep --param NAME` takes: a list, or "
-        "{ range = [first, last], count = n, spacing = \"linear\" }",
+        '{ range = [first, last], count = n, spacing = "linear" }',
     )
 
     def _faults(self) -> Iterator[Fault]:

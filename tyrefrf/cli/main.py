@@ -1,4 +1,4 @@
-"""The command line: `tyrefrf run`, `check`, `plot`, `info`, `init`, `schema`.
+"""The command line: `tyrefrf run`, `sweep`, `check`, `plot`, `info`, `init`, `schema`.
 
 Results go to stdout, progress and messages to stderr. Exit status 0: complete; 1: the run or some
 lines failed; 2: the case or the command line is wrong.
@@ -13,6 +13,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from tyrefrf.cli.sweeping import InOrder
 from tyrefrf.errors import CaseError, CommandError, MeshError, TyreFRFError
 
 app = typer.Typer(
@@ -95,6 +96,68 @@ def run(
     )
 
 
+@app.command(cls=InOrder)
+def sweep(
+    context: typer.Context,
+    case: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Argument(
+            metavar="CASE",
+            help="Case file (TOML); without one case.toml here, or else the built-in tyre.",
+        ),
+    ] = None,
+    param: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            metavar="NAME",
+            help="Parameter by place (materials.rubber.E) or short name (E_rubber, pressure, "
+            "sector_angle, crown); NAME=a,b,c names its values too. Several make a grid.",
+        ),
+    ] = None,
+    values: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(metavar="A,B,C", help='Values of the last --param, such as "14,28,56 MPa".'),
+    ] = None,
+    range_: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--range", metavar="A:B:N", help="N values from A to B, evenly spaced."),
+    ] = None,
+    log: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(metavar="A:B:N", help="N values from A to B, evenly spaced in logarithm."),
+    ] = None,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; results/<case name>_sweep by default."),
+    ] = None,
+    solver: SolverOption = None,
+    jobs: Jobs = None,
+    formats: Formats = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compute CASE for every value of some of its parameters; write results and plots.
+
+    Without values, a parameter takes those of the case's [sweep] table. Several parameters make
+    a grid. All points are checked before the first is computed. Writes DIR/<case name>_sweep.h5
+    with the parameters as leading dimensions, and DIR/plots/. Exits as run does.
+
+    Examples
+    --------
+      tyrefrf sweep --param E_rubber
+
+      tyrefrf sweep case.toml --param E_rubber --values "14,28,56 MPa"
+
+      tyrefrf sweep case.toml --param sector_angle --values 4,8 --param eta_rubber --log 0.01:1:5
+    """
+    from tyrefrf.cli.sweeping import sweep_to_files
+
+    given = context.meta["given"]
+    raise typer.Exit(
+        sweep_to_files(case, given, output, solver, jobs, _names(formats), force=force, json=json)
+    )
+
+
 @app.command()
 def check(
     case: CaseFile = None, solver: SolverOption = None, jobs: Jobs = None, json: Json = False
@@ -117,12 +180,17 @@ def plot(
     ] = None,
     formats: Formats = None,
 ) -> None:
-    """Draw the plots of RESULTS again."""
-    from tyrefrf.plots import draw_plots
-    from tyrefrf.results import load_results
+    """Draw the plots of RESULTS, a run's or a sweep's, again."""
+    from tyrefrf.plots import draw_plots, draw_sweep_plots
+    from tyrefrf.results import Results, load_any
 
-    directory = output or results.parent / "plots"
-    for path in draw_plots(load_results(results), directory, _names(formats) or ("png",)):
+    directory, forms = output or results.parent / "plots", _names(formats) or ("png",)
+    found = load_any(results)
+    if isinstance(found, Results):
+        drawn = draw_plots(found, directory, forms)
+    else:
+        drawn = draw_sweep_plots(found, directory, forms)
+    for path in drawn:
         typer.echo(str(path))
 
 
@@ -130,10 +198,15 @@ def plot(
 def info(results: ResultsFile, json: Json = False) -> None:
     """Say what RESULTS holds and where it comes from."""
     from tyrefrf.cli.report import as_json, describe, summary
-    from tyrefrf.results import load_results
+    from tyrefrf.cli.sweeping import describe_sweep, sweep_summary
+    from tyrefrf.results import Results, load_any
 
-    found = load_results(results)
-    typer.echo(as_json(summary(found, [results])) if json else describe(found))
+    found = load_any(results)
+    if isinstance(found, Results):
+        typer.echo(as_json(summary(found, [results])) if json else describe(found))
+    else:
+        facts = sweep_summary(found, [])
+        typer.echo(as_json(facts) if json else describe_sweep(facts))
 
 
 @app.command()

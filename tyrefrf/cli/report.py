@@ -62,7 +62,7 @@ def describe_run(facts: dict[str, Any]) -> str:
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
-        f"  residual  {_number(facts['largest_residual'])} at most, ||F - D q|| / ||F||",
+        f"  residual  {number_text(facts['largest_residual'])} at most, ||F - D q|| / ||F||",
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),
     ]
@@ -80,7 +80,7 @@ def describe(results: Results) -> str:
         f"  tyre      {origin.n_cells} cells of {np.rad2deg(origin.sector_angle):.6g} degrees",
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz, {results.n_failed} failed",
-        f"  residual  {_number(facts['largest_residual'])} at most",
+        f"  residual  {number_text(facts['largest_residual'])} at most",
         *(f"  load      {label}" for label in facts["loads"]),
         *(f"  probe     {label}" for label in facts["probes"]),
         *([f"  hub       {', '.join(results.hub)}"] if results.hub else []),
@@ -97,13 +97,15 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
         f"elements, {found.free_section_dofs} dofs that move",
         f"  cell      {found.cell_nodes} nodes, {found.cell_dofs} dofs, "
         f"{case.cell.sector_angle:g} degrees",
-        f"  ring      {found.n_cells} cells, {found.ring_nodes} nodes, {found.ring_dofs} dofs, "
-        f"{found.mass:.2f} kg",
+        f"  ring      {found.n_cells} cells, {found.ring_nodes} nodes, {found.ring_dofs} dofs",
+        f"  mass      {found.mass:.2f} kg"
+        + (f": {_shares(found.masses)}" if len(found.masses) > 1 else ""),
         f"  lines     {found.n_lines}, up to {found.top_frequency:g} Hz",
         f"  columns   {found.n_loads} loads, {found.n_probes} probes (driving points included)",
         *(
             f"  waves     {r.material} at {found.top_frequency:g} Hz: "
-            f"shear {1e3 * r.shear:.3g} mm, bending {1e3 * r.bending:.3g} mm, "
+            f"shear {1e3 * r.shear:.3g} mm, bending {1e3 * r.bending:.3g} mm "
+            f"(of a {1e3 * r.thickness:.3g} mm wall), "
             f"elements up to {1e3 * r.size:.3g} mm: "
             f"{r.per_wavelength:.1f} per wavelength ({r.enough:g} recommended)"
             for r in found.resolution
@@ -115,7 +117,12 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
     return "\n".join(lines)
 
 
-def _number(value: float | None) -> str:
+def _shares(masses: dict[str, float]) -> str:
+    """Masses by material: `rubber 4.79, steel 0.75`."""
+    return ", ".join(f"{name} {mass:.2f}" for name, mass in masses.items())
+
+
+def number_text(value: float | None) -> str:
     """A number in few digits, or a dash where there is none."""
     return "-" if value is None else f"{value:.1e}"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -11,10 +11,13 @@ from matplotlib.figure import Figure
 from tyrefrf.errors import ResultsError
 from tyrefrf.plots.driving import driving_figures
 from tyrefrf.plots.hub import hub_figures
+from tyrefrf.plots.inflation import inflation_figures
 from tyrefrf.plots.mobility import mobility_figures
 from tyrefrf.plots.section import section_figure
 from tyrefrf.plots.style import house_style
+from tyrefrf.plots.sweep import sweep_figures
 from tyrefrf.results.results import Results
+from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.whole import whole_file
 
 FORMATS = ("png", "pdf", "svg")
@@ -29,13 +32,27 @@ def draw_plots(
     formats: "png", "pdf" or "svg", one file of each for every figure; files of the same names
     are replaced. Raises ResultsError for another format or where a file cannot be written.
     """
+    return _draw(_figures(results), directory, formats)
+
+
+def draw_sweep_plots(
+    sweep: SweepResults, directory: str | Path, formats: Sequence[str] = ("png",)
+) -> list[Path]:
+    """Draw every figure of a sweep, as `draw_plots` does those of a run."""
+    return _draw(_figures_of_sweep(sweep), directory, formats)
+
+
+def _draw(
+    figures: Iterable[tuple[str, Figure]], directory: str | Path, formats: Sequence[str]
+) -> list[Path]:
+    """Write figures under the stems of their names, in every format."""
     unknown = sorted(set(formats) - set(FORMATS))
     if unknown:
         message = f"no plots in format {', '.join(unknown)}; there are: {', '.join(FORMATS)}"
         raise ResultsError(message)
     directory = Path(directory)
     written = []
-    for stem, figure in _figures(results):
+    for stem, figure in figures:
         for form in formats:
             path = directory / f"{stem}.{form}"
             _save(figure, path, form)
@@ -54,7 +71,18 @@ def _figures(results: Results) -> Iterator[tuple[str, Figure]]:
         yield "driving_points", figure
     for figure in hub_figures(results):
         yield "blocked_force", figure
+    for figure in inflation_figures(results):
+        yield "inflation", figure
     yield "section", section_figure(results)
+
+
+def _figures_of_sweep(sweep: SweepResults) -> Iterator[tuple[str, Figure]]:
+    """Every figure of a sweep; the section only where it is the same at every point."""
+    taken: set[str] = set()
+    for stem, figure in sweep_figures(sweep):
+        yield _unique(_file_name(stem), taken), figure
+    if sweep.has_one_section:
+        yield _unique("section", taken), section_figure(sweep.points[0])
 
 
 def _file_name(name: str) -> str:

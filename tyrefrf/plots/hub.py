@@ -33,7 +33,7 @@ def hub_figures(results: Results) -> list[Figure]:
     """
     if not results.hub:
         return []
-    curves, zero = _components(results)
+    curves, zero = components(results)
     figure = Figure(figsize=(9.0, 6.5))
     panels = dict(zip("FM", figure.subplots(2, 1, sharex=True), strict=True))
     handles = []
@@ -50,7 +50,7 @@ def hub_figures(results: Results) -> list[Figure]:
     return [figure]
 
 
-def _components(results: Results) -> tuple[dict[str, FloatArray], list[str]]:
+def components(results: Results) -> tuple[dict[str, FloatArray], list[str]]:
     """Magnitudes (f,) by "load: component", and the names of those that are zero by symmetry.
 
     A moment is compared with a force at the tyre's outer radius: all moments of a load may be

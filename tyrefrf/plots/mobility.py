@@ -34,11 +34,7 @@ def mobility_figures(results: Results, load: Place) -> list[Figure]:
 
     Responses that are zero by symmetry have no curve; the legends name them.
     """
-    probes = sorted(results.probes, key=lambda probe: not _is_drive(probe, load))
-    response = {probe: results.response(load.name, probe.name) for probe in probes}
-    limit = ROUNDING * max(map(_largest, response.values()), default=0.0)
-    zero = [probe for probe in probes if _largest(response[probe]) < limit]
-    shown = {probe: Y for probe, Y in response.items() if probe not in zero}
+    shown, zero = shown_and_zero(results, load)
     groups = [dict(list(shown.items())[i : i + CURVES]) for i in range(0, len(shown), CURVES)]
     figures = [_figure(results, load, group, zero) for group in groups]
     for number, figure in enumerate(figures, start=1):
@@ -47,7 +43,17 @@ def mobility_figures(results: Results, load: Place) -> list[Figure]:
     return figures
 
 
-def _is_drive(probe: Place, load: Place) -> bool:
+def shown_and_zero(results: Results, load: Place) -> tuple[dict[Place, ComplexArray], list[Place]]:
+    """Mobilities (f,) by probe, the driving point first, and probes that are zero by symmetry."""
+    probes = sorted(results.probes, key=lambda probe: not is_drive(probe, load))
+    response = {probe: results.response(load.name, probe.name) for probe in probes}
+    limit = ROUNDING * max(map(_largest, response.values()), default=0.0)
+    zero = [probe for probe in probes if _largest(response[probe]) < limit]
+    return {probe: Y for probe, Y in response.items() if probe not in zero}, zero
+
+
+def is_drive(probe: Place, load: Place) -> bool:
+    """Whether a probe is the load's own point."""
     return probe.name == f"{load.name}.drive"
 
 
@@ -63,29 +69,29 @@ def _figure(
     magnitude, phase = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
     handles = []
     for index, (probe, Y) in enumerate(response.items()):
-        drive = _is_drive(probe, load)
+        drive = is_drive(probe, load)
         look = curve_style(index) | {"linewidth": 2.4 if drive else 1.2}
         label = plain(probe.label + (" (driving point)" if drive else ""))
         look |= {"label": label, **line_markers(results.frequency)}
-        handles += magnitude.plot(results.frequency, _positive(np.abs(Y)), **look)
-        phase.plot(*_wrapped(results.frequency, Y), **look)
+        handles += magnitude.plot(results.frequency, positive(np.abs(Y)), **look)
+        phase.plot(*wrapped(results.frequency, Y), **look)
     handles += mark_failed(magnitude, results)
     handles += zero_entry([f"{probe.name} ({probe.direction})" for probe in zero])
     set_title(magnitude, results, f"mobility, load {load.label}")
     logarithmic(magnitude, [np.abs(Y) for Y in response.values()])
     magnitude.set_ylabel("Mobility magnitude [m/(s N)]")
-    _phase_axes(phase)
+    phase_axes(phase)
     frequency_axis(figure, results.frequency)
     legend_below(figure, handles)
     return figure
 
 
-def _positive(magnitude: FloatArray) -> FloatArray:
+def positive(magnitude: FloatArray) -> FloatArray:
     """Zero, as at 0 Hz, has no place on a logarithmic axis."""
     return np.where(magnitude > 0.0, magnitude, np.nan)
 
 
-def _wrapped(frequency: FloatArray, Y: ComplexArray) -> tuple[FloatArray, FloatArray]:
+def wrapped(frequency: FloatArray, Y: ComplexArray) -> tuple[FloatArray, FloatArray]:
     """Frequency and phase [deg], with a NaN between two lines where the phase wraps around.
 
     Zero has no phase.
@@ -95,7 +101,8 @@ def _wrapped(frequency: FloatArray, Y: ComplexArray) -> tuple[FloatArray, FloatA
     return np.insert(frequency, wraps, frequency[wraps]), np.insert(phase, wraps, np.nan)
 
 
-def _phase_axes(axes: Axes) -> None:
+def phase_axes(axes: Axes) -> None:
+    """Degrees from -180 to 180."""
     axes.set_ylabel("Phase [deg]")
     axes.set_ylim(-180.0, 180.0)
     axes.set_yticks(np.arange(-180.0, 181.0, 90.0))

@@ -50,6 +50,12 @@ def _headroom(section: SectionMesh) -> float:
     return float(r.max() + 0.3 * np.ptp(r))
 
 
+def element_polygons(section: SectionMesh, points: FloatArray) -> FloatArray:
+    """Outlines (e, 4 or 8, 2) of the elements as (y, r) [mm], their nodes at points (n, 2) [m]."""
+    quads = section.quads[:, AROUND] if section.quads.shape[1] == 8 else section.quads
+    return _in_plot(points[quads])
+
+
 def _in_plot(points: FloatArray) -> FloatArray:
     """(..., 2) places (r, y) [m] as (y, r) [mm]."""
     return MM * points[..., ::-1]
@@ -57,7 +63,7 @@ def _in_plot(points: FloatArray) -> FloatArray:
 
 def _draw_elements(axes: Axes, section: SectionMesh) -> list[Patch]:
     """Fill the elements by material; a legend's handles."""
-    quads = section.quads[:, AROUND] if section.quads.shape[1] == 8 else section.quads
+    outlines = element_polygons(section, section.points)
     handles = []
     for number, material in enumerate(section.materials):
         look: dict[str, Any] = {
@@ -65,8 +71,8 @@ def _draw_elements(axes: Axes, section: SectionMesh) -> list[Patch]:
             "hatch": HATCHES[number % len(HATCHES)],
         }
         look |= {"edgecolor": "0.3", "linewidth": 0.6, "alpha": 0.45}
-        polygons = _in_plot(section.points[quads[section.material == number]])
-        axes.add_collection(PolyCollection(list(polygons), **look))
+        polygons = list(outlines[section.material == number])
+        axes.add_collection(PolyCollection(polygons, **look))
         handles.append(Patch(**look, label=plain(material)))
     return handles
 

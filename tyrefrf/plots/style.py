@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from tyrefrf.arrays import FloatArray
+from tyrefrf.arrays import BoolArray, FloatArray
 from tyrefrf.results.results import Results
+from tyrefrf.results.sweep import SweepResults
 
 RC: dict[str, Any] = {
     "font.size": 10.0,
@@ -82,9 +83,9 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def set_title(axes: Axes, results: Results, what: str) -> None:
+def set_title(axes: Axes, results: Results | SweepResults, what: str) -> None:
     """The case's title, and below it what the figure shows."""
-    lines = (results.provenance.title, what)
+    lines = (results.provenance.title, *what.splitlines())
     axes.set_title("\n".join(fill(plain(line), TITLE_WIDTH) for line in lines))
 
 
@@ -125,18 +126,23 @@ def logarithmic(axes: Axes, curves: Iterable[FloatArray]) -> None:
 
 def mark_failed(axes: Axes, results: Results) -> list[Line2D]:
     """A cross on the frequency axis for every line without an answer; a legend's handle."""
-    if not results.n_failed:
+    return mark_lines(axes, results.frequency, results.failed)
+
+
+def mark_lines(axes: Axes, frequency: FloatArray, failed: BoolArray) -> list[Line2D]:
+    """The same for lines (f,) of which some failed (f,)."""
+    if not failed.any():
         return []
     return axes.plot(
-        results.frequency[results.failed],
-        np.zeros(results.n_failed),
+        frequency[failed],
+        np.zeros(failed.sum()),
         "x",
         color="black",
         markersize=6,
         clip_on=False,
         zorder=5,
         transform=axes.get_xaxis_transform(),
-        label=f"no answer ({results.n_failed} of {len(results.frequency)} lines)",
+        label=f"no answer ({failed.sum()} of {len(frequency)} lines)",
     )
 
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.mesh.place import Place
 from tyrefrf.mesh.section import SectionMesh
-from tyrefrf.results.results import Results
+from tyrefrf.results.results import STRESS, Results, StaticState
 
 PROGRAM = "tyrefrf"
 
@@ -29,10 +30,21 @@ CONVENTIONS = (
 
 Kind = Literal["text", "complex", "float", "int", "bool"]
 
+DTYPES: dict[Kind, Any] = {
+    "text": object,
+    "complex": np.complex128,
+    "float": np.float64,
+    "int": np.int64,
+    "bool": np.bool_,
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One dataset: its path, the paths of its axes, and how it is taken from the results."""
+    """One dataset: its path, the paths of its axes, and how it is taken from the results.
+
+    more: attributes of its own, beside units and long_name.
+    """
 
     name: str
     axes: tuple[str, ...]
@@ -40,11 +52,25 @@ class Field:
     units: str
     long_name: str
     value: Callable[[Results], ArrayLike]
+    more: tuple[tuple[str, str], ...] = ()
+
+    def of(self, results: Results) -> NDArray[Any]:
+        """The dataset's array."""
+        return np.asarray(self.value(results), dtype=DTYPES[self.kind])
+
+    @property
+    def group(self) -> str:
+        """The group that the dataset is in; "" for the file's root."""
+        return self.name.rpartition("/")[0]
 
     @property
     def is_scale(self) -> bool:
         """Whether this dataset is itself an axis."""
         return self.axes == (self.name,)
+
+
+Dataset = tuple[Field, NDArray[Any]]
+"""A dataset and its array."""
 
 
 PLACE_COLUMNS: tuple[tuple[str, Kind, str, str], ...] = (
@@ -147,6 +173,57 @@ SECTION = (
 )
 
 
-def fields(*, with_hub: bool) -> tuple[Field, ...]:
+def _static(
+    name: str,
+    axes: tuple[str, ...],
+    kind: Kind,
+    units: str,
+    long_name: str,
+    value: Callable[[StaticState], ArrayLike],
+) -> Field:
+    """A dataset of the inflated state."""
+
+    def of(results: Results) -> ArrayLike:
+        assert results.inflation is not None  # `fields_of` saw to it
+        return value(results.inflation)
+
+    paths = tuple(f"inflation/{axis}" for axis in axes)
+    return Field(f"inflation/{name}", paths, kind, units, long_name, of)
+
+
+INFLATION = (
+    _static("node", ("node",), "int", "1", "node of the section", lambda s: _count(s.displacement)),
+    _static("element", ("element",), "int", "1", "element", lambda s: _count(s.stress)),
+    _static("step", ("step",), "int", "1", "load step", lambda s: _count(s.share)),
+    _static("axis", ("axis",), "text", "", "direction", lambda _: ["r", "y", "theta"]),
+    _static("along", ("along",), "text", "", "direction in the section", lambda _: ["r", "y"]),
+    _static("component", ("component",), "text", "", "of the stress", lambda _: STRESS),
+    _static("state", ("state",), "int", "1", "the one state", lambda _: [0]),
+    _static("pressure", ("state",), "float", "Pa", "internal pressure", lambda s: [s.pressure]),
+    _static(
+        "displacement", ("node", "along"), "float", "m", "static shape", lambda s: s.displacement
+    ),
+    _static("stress", ("element", "component"), "float", "Pa", "mean stress", lambda s: s.stress),
+    _static(
+        "resultant", ("axis",), "float", "N", "pressure force on one cell", lambda s: s.resultant
+    ),
+    _static("share", ("step",), "float", "1", "share of the pressure", lambda s: s.share),
+    _static("iterations", ("step",), "int", "1", "Newton iterations", lambda s: s.iterations),
+    _static("lack", ("step",), "float", "1", "||f - f_int|| / ||f||", lambda s: s.lack),
+)
+"""In the file only of a tyre under pressure."""
+
+
+def _count(array: FloatArray) -> IntArray:
+    return np.arange(len(array))
+
+
+def fields(*, with_hub: bool, with_inflation: bool) -> tuple[Field, ...]:
     """Every dataset of a file."""
-    return RESPONSES + (BLOCKED_FORCE if with_hub else ()) + SECTION
+    hub = BLOCKED_FORCE if with_hub else ()
+    return RESPONSES + hub + SECTION + (INFLATION if with_inflation else ())
+
+
+def fields_of(results: Results) -> tuple[Field, ...]:
+    """Every dataset of a file of these results."""
+    return fields(with_hub=bool(results.hub), with_inflation=results.inflation is not None)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import fields as attributes
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tyrefrf.case.axis import Axis
 from tyrefrf.errors import ResultsError
 from tyrefrf.mesh.place import Place
 from tyrefrf.mesh.section import SectionMesh
 from tyrefrf.results.layout import LAYOUT, PLACE_COLUMNS, PROGRAM, Field, fields
-from tyrefrf.results.results import Provenance, Results
+from tyrefrf.results.results import Provenance, Results, StaticState
+from tyrefrf.results.sweep import SweepResults
+from tyrefrf.results.sweep_layout import POINT, has_group, stored_name
 
 Columns = dict[str, NDArray[Any]]
 
@@ -22,8 +27,24 @@ def load_results(path: str | Path) -> Results:
     """Read the results that `write_results` wrote.
 
     Raises ResultsError for what is no file, no HDF5, damaged, of another program, or of a
-    layout newer than this program knows.
+    layout newer than this program knows; and for a sweep.
     """
+    results = load_any(path)
+    if isinstance(results, SweepResults):
+        raise ResultsError(f"{path}: a sweep; read it with load_sweep")
+    return results
+
+
+def load_sweep(path: str | Path) -> SweepResults:
+    """Read the sweep that `write_sweep` wrote. Raises ResultsError as `load_results`."""
+    results = load_any(path)
+    if isinstance(results, Results):
+        raise ResultsError(f"{path}: a single run; read it with load_results")
+    return results
+
+
+def load_any(path: str | Path) -> Results | SweepResults:
+    """Read the results of a run or of a sweep. Raises ResultsError as `load_results`."""
     import h5py
 
     path = Path(path)
@@ -52,8 +73,42 @@ def _check_origin(path: Path, file: Any) -> None:
         )
 
 
-def _read(file: Any) -> Results:
-    columns = {field.name: _column(file, field) for field in fields(with_hub="hub" in file)}
+def _read(file: Any) -> Results | SweepResults:
+    axes = _axes(file)
+    provenance = _provenance(file)
+    if not axes:
+        return _results(_columns(file, ()), provenance)
+    shape = tuple(len(axis.values) for axis in axes)
+    points = [
+        _results(_columns(file, point), _provenance_at(file, point))
+        for point in product(*map(range, shape))
+    ]
+    return SweepResults(axes, tuple(points), provenance)
+
+
+def _axes(file: Any) -> tuple[Axis, ...]:
+    """The parameters of a sweep, or none: what leads a run's own dimensions."""
+    mobility = file["mobility"]
+    return tuple(_axis(mobility.dims[n][0]) for n in range(mobility.ndim - 3))
+
+
+def _axis(scale: Any) -> Axis:
+    return Axis(
+        name=scale.attrs["parameter"],
+        place=scale.attrs["place"],
+        units=scale.attrs["units"],
+        meaning=scale.attrs["long_name"],
+        values=tuple(scale[...].tolist()),
+    )
+
+
+def _columns(file: Any, point: tuple[int, ...]) -> Columns:
+    """Every array of a run (point is ()), or of a point of a sweep."""
+    table = fields(with_hub="hub" in file, with_inflation=has_group(file, "inflation", point))
+    return {field.name: _column(file, field, point) for field in table}
+
+
+def _results(columns: Columns, provenance: Provenance) -> Results:
     loads = _places(columns, "load")
     return Results(
         frequency=columns["frequency"],
@@ -66,13 +121,15 @@ def _read(file: Any) -> Results:
         solve_time=columns["solve_time"],
         remark=tuple(columns["remark"]),
         section=_section(columns),
-        provenance=_provenance(file),
+        provenance=provenance,
+        inflation=_static_state(columns),
     )
 
 
-def _column(file: Any, field: Field) -> NDArray[Any]:
-    dataset = file[field.name]
-    array: NDArray[Any] = (dataset.asstr() if field.kind == "text" else dataset)[...]
+def _column(file: Any, field: Field, point: tuple[int, ...]) -> NDArray[Any]:
+    dataset = file[stored_name(file, field, point)]
+    here = point if dataset.ndim > len(field.axes) else ...
+    array: NDArray[Any] = (dataset.asstr() if field.kind == "text" else dataset)[here]
     return array
 
 
@@ -87,12 +144,37 @@ def _places(columns: Columns, axis: str) -> tuple[Place, ...]:
     return tuple(Place(name=name, **dict(zip(values, row, strict=True))) for name, *row in rows)
 
 
+def _static_state(columns: Columns) -> StaticState | None:
+    if "inflation/pressure" not in columns:
+        return None
+    values: dict[str, Any] = {
+        attribute.name: columns[f"inflation/{attribute.name}"]
+        for attribute in attributes(StaticState)
+    }
+    return StaticState(**{**values, "pressure": float(values["pressure"][0])})
+
+
 def _section(columns: Columns) -> SectionMesh:
     mesh: dict[str, Any] = {
         attribute.name: columns[f"section/{attribute.name}"]
         for attribute in attributes(SectionMesh)
     }
     return SectionMesh(**{**mesh, "materials": tuple(mesh["materials"])})
+
+
+def _provenance_at(file: Any, point: tuple[int, ...]) -> Provenance:
+    """The case's provenance with what is the point's own."""
+    known = {attribute.name for attribute in attributes(Provenance)}
+    own = {name: _value(dataset, point) for name, dataset in file[POINT].items()}
+    numbers = {name: value for name, value in own.items() if name not in known}
+    changed = {name: value for name, value in own.items() if name in known}
+    return replace(_provenance(file), numbers=numbers, **changed)
+
+
+def _value(dataset: Any, point: tuple[int, ...]) -> Any:
+    """One value of a dataset, as Python's own type."""
+    value = dataset[point]
+    return value.decode() if isinstance(value, bytes) else _plain(value)
 
 
 def _provenance(file: Any) -> Provenance:

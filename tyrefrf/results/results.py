@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, frozen
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from tyrefrf.errors import ResultsError
 from tyrefrf.mesh.place import Place
 from tyrefrf.mesh.section import SectionMesh
@@ -42,6 +42,35 @@ class Provenance:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StaticState:
+    """The tyre at rest under pressure; its arrays are read-only.
+
+    pressure: [Pa]. displacement: (n, 2) of the section's nodes along r and y [m].
+    stress: (e, 6) mean stress of the section's elements [Pa], in the order of `STRESS`; second
+        Piola-Kirchhoff where the inflation was nonlinear.
+    resultant: (3,) pressure force on one cell in the axes (r, y, theta) of its middle [N].
+    share, iterations, lack: (k,) the load steps: share of the pressure reached, Newton's
+        iterations, and ||f - f_int|| / ||f|| that was left.
+    """
+
+    pressure: float
+    displacement: FloatArray
+    stress: FloatArray
+    resultant: FloatArray
+    share: FloatArray
+    iterations: IntArray
+    lack: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "stress", "resultant", "share", "iterations", "lack"):
+            frozen(getattr(self, name))
+
+
+STRESS = ("rr", "yy", "tt", "ry", "yt", "tr")
+"""Components of the stress: r radial, y along the axle, t around."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Results:
     """Responses of p probes to l loads at f frequency lines; its arrays are read-only.
 
@@ -54,6 +83,7 @@ class Results:
     residual: (f,) ||F - D q|| / ||F|| of the ring's equations, NaN where not solved.
     solve_time: (f,) [s].
     remark: f texts, empty or what was special about the line, or why it failed.
+    inflation: the static state that the tyre vibrates about; None without pressure.
     Raises ResultsError where the shapes do not agree.
     """
 
@@ -68,6 +98,7 @@ class Results:
     remark: tuple[str, ...]
     section: SectionMesh
     provenance: Provenance
+    inflation: StaticState | None = None
 
     def __post_init__(self) -> None:
         lines = self.frequency.shape
@@ -125,19 +156,19 @@ class Results:
 
         Raises ResultsError for a name that is not in the results.
         """
-        _index(quantity, get_args(Quantity), "quantity")
-        i = _index(load, [place.name for place in self.loads], "load")
-        j = _index(probe, [place.name for place in self.probes], "probe")
+        index_of(quantity, get_args(Quantity), "quantity")
+        i = index_of(load, [place.name for place in self.loads], "load")
+        j = index_of(probe, [place.name for place in self.probes], "probe")
         response: ComplexArray = getattr(self, quantity)[i, j]
         return response
 
     def driving_point(self, load: str, quantity: Quantity = "mobility") -> ComplexArray:
         """(f,) the response of a load's own point in its own direction."""
-        _index(load, [place.name for place in self.loads], "load")
+        index_of(load, [place.name for place in self.loads], "load")
         return self.response(load, f"{load}.drive", quantity)
 
 
-def _index(name: str, names: list[str] | tuple[str, ...], what: str) -> int:
+def index_of(name: str, names: list[str] | tuple[str, ...], what: str) -> int:
     """Where a name stands in the list, or an error that proposes the nearest one."""
     if name in names:
         return names.index(name)

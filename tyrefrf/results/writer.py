@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields as attributes
 from pathlib import Path
 from typing import Any
@@ -10,17 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tyrefrf.errors import ResultsError
-from tyrefrf.results.layout import CONVENTIONS, LAYOUT, PROGRAM, Field, Kind, fields
+from tyrefrf.results.layout import CONVENTIONS, LAYOUT, PROGRAM, Dataset, Field, Kind, fields_of
 from tyrefrf.results.results import Provenance, Results
+from tyrefrf.results.sweep import SweepResults
+from tyrefrf.results.sweep_layout import sweep_datasets
 from tyrefrf.results.whole import whole_file
-
-_DTYPES: dict[Kind, Any] = {
-    "text": object,
-    "complex": np.complex128,
-    "float": np.float64,
-    "int": np.int64,
-    "bool": np.bool_,
-}
 
 
 def write_results(path: str | Path, results: Results) -> None:
@@ -28,13 +23,22 @@ def write_results(path: str | Path, results: Results) -> None:
 
     An existing file is replaced. Raises ResultsError where the file cannot be written.
     """
+    datasets = [(field, field.of(results)) for field in fields_of(results)]
+    _write(Path(path), results.provenance, datasets)
+
+
+def write_sweep(path: str | Path, sweep: SweepResults) -> None:
+    """Write a sweep as `write_results` does a run: the same datasets, parameters leading."""
+    _write(Path(path), sweep.provenance, sweep_datasets(sweep))
+
+
+def _write(path: Path, provenance: Provenance, datasets: Sequence[Dataset]) -> None:
     import h5py
 
-    path = Path(path)
     try:
         with whole_file(path) as temporary, h5py.File(temporary, "x") as file:
-            _write_attributes(file, results.provenance)
-            _write_datasets(file, results)
+            _write_attributes(file, provenance)
+            _write_datasets(file, datasets)
     except OSError as error:
         raise ResultsError(f"{path}: cannot be written: {error}") from error
 
@@ -49,11 +53,10 @@ def _write_attributes(file: Any, provenance: Provenance) -> None:
     file.create_group("numbers").attrs.update(provenance.numbers)
 
 
-def _write_datasets(file: Any, results: Results) -> None:
-    table = fields(with_hub=bool(results.hub))
-    for field in table:
-        _create(file, field, np.asarray(field.value(results), dtype=_DTYPES[field.kind]))
-    for field in table:
+def _write_datasets(file: Any, datasets: Sequence[Dataset]) -> None:
+    for field, array in datasets:
+        _create(file, field, array)
+    for field, _ in datasets:
         for axis, name in enumerate(field.axes):
             if not field.is_scale:
                 file[field.name].dims[axis].attach_scale(file[name])
@@ -64,6 +67,7 @@ def _create(file: Any, field: Field, array: NDArray[Any]) -> None:
     dataset = file.create_dataset(field.name, data=array, **_storage(field.kind, array))
     dataset.attrs["units"] = field.units
     dataset.attrs["long_name"] = field.long_name
+    dataset.attrs.update(field.more)
     if field.is_scale:
         dataset.make_scale(field.name.rpartition("/")[2])
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case
+from tyrefrf.fem.constitutive import Constitutive, constitutive
+from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.solvers import RingProblem
 from tyrefrf.study.model import Model, build_model
-
-ENOUGH = {8: 6.0, 20: 3.0}
-"""Elements per wavelength that keep the error near a few per cent, by nodes of the brick."""
+from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
 
 JOIN_FLOPS = 43.0
 """Operations of one join over n^3: factorisation 8/3, 2n right-hand sides 16, three products 24."""
@@ -30,36 +30,11 @@ START_UP = 3.0  # s: imports, worker processes, plots
 
 
 @dataclass(frozen=True, slots=True)
-class Resolution:
-    """How finely one material's waves are meshed at the top frequency.
-
-    shear, bending: wavelengths [m]; bending that of a free plate as thick as the tyre is where
-    the material is thinnest. size: longest edge along the profile or around the axle [m].
-    enough: elements per wavelength that are recommended for this element.
-    """
-
-    material: str
-    shear: float
-    bending: float
-    size: float
-    enough: float
-
-    @property
-    def per_wavelength(self) -> float:
-        """Elements in the shorter of the two wavelengths."""
-        return min(self.shear, self.bending) / self.size
-
-    @property
-    def fine(self) -> bool:
-        """Whether that is enough."""
-        return self.per_wavelength >= self.enough
-
-
-@dataclass(frozen=True, slots=True)
 class Estimate:
     """Sizes of the model, how finely it is meshed, and what solving would take.
 
-    mass: of the tyre [kg]. seconds: wall time. memory: of all processes together [bytes].
+    mass: of the tyre [kg]; masses: by material. seconds: wall time. memory: of all processes
+    together [bytes].
     """
 
     section_nodes: int
@@ -71,6 +46,7 @@ class Estimate:
     ring_dofs: int
     free_section_dofs: int
     mass: float
+    masses: dict[str, float]
     n_lines: int
     top_frequency: float
     n_loads: int
@@ -89,9 +65,8 @@ def estimate(case: Case, jobs: int) -> Estimate:
     model = build_model(case)
     mesh, problem = model.mesh, model.problem
     lines = case.frequency.lines()
-    resolution = tuple(
-        _resolution(case, mesh, index, name, lines[-1]) for index, name in enumerate(mesh.materials)
-    )
+    laws = {name: constitutive(case.materials[name]) for name in mesh.materials}
+    resolution = resolutions(mesh, laws, lines[-1])
     return Estimate(
         section_nodes=mesh.n_face,
         section_elements=mesh.section.n_elements,
@@ -102,6 +77,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
         ring_dofs=problem.n_ring_dofs,
         free_section_dofs=_section_dofs(problem),
         mass=tyre_mass(problem),
+        masses=_masses(case, mesh, laws),
         n_lines=len(lines),
         top_frequency=lines[-1],
         n_loads=len(model.loads),
@@ -120,33 +96,19 @@ def tyre_mass(problem: RingProblem) -> float:
     return float(problem.n_cells * (along @ (problem.cell.sparse(problem.cell.M) @ along)))
 
 
-def element_sizes(mesh: CellMesh) -> FloatArray:
-    """Longest edge (e, 2) [m] of every brick, along the profile and around the axle."""
-    X = mesh.cartesian[mesh.bricks[:, :8]]
-    along = [(0, 3), (1, 2), (4, 7), (5, 6)]
-    around = [(0, 4), (1, 5), (2, 6), (3, 7)]
-    return np.stack(
-        [
-            np.max([np.linalg.norm(X[:, b] - X[:, a], axis=1) for a, b in edges], axis=0)
-            for edges in (along, around)
-        ],
-        axis=1,
-    )
+def _masses(case: Case, mesh: CellMesh, laws: Mapping[str, Constitutive]) -> dict[str, float]:
+    """Mass of the whole tyre [kg] by material, as it is assembled."""
+    element = ELEMENTS[case.cell.element]
+    return {
+        name: case.cell.n_cells * _mass_along(element, mesh, index, laws[name].rho)
+        for index, name in enumerate(mesh.materials)
+    }
 
 
-def _resolution(case: Case, mesh: CellMesh, index: int, name: str, top: float) -> Resolution:
-    """How finely a material's waves at the top frequency [Hz] are meshed."""
-    m = case.materials[name]
-    h = min(case.geometry.thickness.model_dump().values())
-    omega = 2.0 * np.pi * max(top, 1e-9)
-    bending_stiffness = m.E * h**3 / (12.0 * (1.0 - m.nu**2))
-    return Resolution(
-        material=name,
-        shear=float(2.0 * np.pi / omega * np.sqrt(m.E / (2.0 * (1.0 + m.nu) * m.rho))),
-        bending=float(2.0 * np.pi * (bending_stiffness / (m.rho * h * omega**2)) ** 0.25),
-        size=float(element_sizes(mesh)[mesh.material == index].max()),
-        enough=ENOUGH[mesh.bricks.shape[1]],
-    )
+def _mass_along(element: Element, mesh: CellMesh, index: int, rho: float) -> float:
+    """Mass [kg] in one cell of the material with this index: that of a unit translation along y."""
+    X = mesh.cartesian[mesh.bricks[mesh.material == index]]
+    return float(element.mass(X, rho)[:, 1::3, 1::3].sum())
 
 
 def _coarse(resolution: tuple[Resolution, ...]) -> list[str]:

@@ -9,14 +9,16 @@ from scipy.sparse import csc_array, hstack
 
 from tyrefrf.case import AtNode, Case, HubProbe, OnPatch, OnSurface, Point
 from tyrefrf.errors import CaseError, MeshError, Problem
-from tyrefrf.fem.assembly import assemble_cell
+from tyrefrf.fem.assembly import CellAssembly, CellMatrices
 from tyrefrf.fem.columns import hub_columns, node_column, surface_column
 from tyrefrf.fem.elements import ELEMENTS
+from tyrefrf.fem.inflation import Inflation
 from tyrefrf.mesh.cell import CellMesh, revolve
 from tyrefrf.mesh.place import Place
 from tyrefrf.mesh.profile import tyre_section
 from tyrefrf.mesh.surface import Surface
 from tyrefrf.solvers import RingProblem
+from tyrefrf.study.inflate import elasticity_key, inflate
 
 Placed = tuple[Place, csc_array]
 
@@ -27,6 +29,7 @@ class Model:
 
     loads: places of the loads. probes: places of the probes, first the driving point of every
     load, "<load>.drive". The problem's probes are theirs, then six of the hub if `hub`.
+    inflation: the state about which the problem vibrates; None without pressure.
     """
 
     case: Case
@@ -35,37 +38,98 @@ class Model:
     loads: tuple[Place, ...]
     probes: tuple[Place, ...]
     hub: bool
+    inflation: Inflation | None
 
 
 def build_model(case: Case) -> Model:
     """Mesh and assemble a case and place its loads and probes.
 
-    Raises CaseError, naming the key, where a place is not on this mesh, and MeshError where the
-    section or cell cannot be meshed.
+    Raises CaseError, naming the key, where a place is not on this mesh or the pressure is more
+    than the tyre bears, and MeshError where the section or cell cannot be meshed.
     """
-    mesh = build_mesh(case)
-    loads, probes = _place_all(mesh, case)
-    hub = any(isinstance(probe, HubProbe) for probe in case.probes)
-    responses = [_displacement(mesh, column) for _, column in loads + probes]
-    problem = RingProblem(
-        cell=assemble_cell(mesh, case.materials, ELEMENTS[case.cell.element], case.damping),
-        n_cells=case.cell.n_cells,
-        loads=hstack([column for _, column in loads], format="csc"),
-        probes=hstack(responses + ([hub_columns(mesh)] if hub else []), format="csc"),
-    )
-    return Model(
-        case=case,
-        mesh=mesh,
-        problem=problem,
-        loads=tuple(place for place, _ in loads),
-        probes=tuple(_driving_point(place) for place, _ in loads)
-        + tuple(place for place, _ in probes),
-        hub=hub,
-    )
+    return Workshop().model(case)
+
+
+class Workshop:
+    """Makes models, and makes what several cases share only once."""
+
+    def __init__(self) -> None:
+        self._outlines: dict[str, Outline] = {}
+        self._inflations: dict[tuple[str, ...], Inflation] = {}
+
+    def model(self, case: Case) -> Model:
+        """The model of a case, to the bit the same whatever was made before.
+
+        Raises CaseError and MeshError as `build_model`.
+        """
+        key = case.model_dump_json(include={"geometry", "cell", "loads", "probes"})
+        if key not in self._outlines:
+            self._outlines[key] = Outline.of(case)
+        outline = self._outlines[key]
+        cell = outline.assembly.cell(case.materials, case.damping)
+        inflation = self._inflation(key, case, outline.mesh, cell)
+        if inflation is not None:
+            follows = case.inflation.pressure_stiffness
+            cell = inflation.applied_to(cell, pressure_stiffness=follows)
+        problem = RingProblem(
+            cell=cell,
+            n_cells=case.cell.n_cells,
+            loads=outline.load_columns,
+            probes=outline.probe_columns,
+        )
+        return Model(
+            case, outline.mesh, problem, outline.loads, outline.probes, outline.hub, inflation
+        )
+
+    def _inflation(
+        self, outline: str, case: Case, mesh: CellMesh, cell: CellMatrices
+    ) -> Inflation | None:
+        """The case's inflation; it depends on nothing of the materials but their elasticity."""
+        if case.inflation.pressure == 0.0:
+            return None
+        elasticities = (elasticity_key(case.materials[name]) for name in mesh.materials)
+        key = (outline, case.inflation.model_dump_json(), *elasticities)
+        if key not in self._inflations:
+            self._inflations[key] = inflate(case, mesh, cell)
+        return self._inflations[key]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """What a case is without its materials: mesh, bricks, loads and probes.
+
+    load_columns, probe_columns: over the ring's dofs; the rest as in `Model`.
+    """
+
+    mesh: CellMesh
+    assembly: CellAssembly
+    loads: tuple[Place, ...]
+    probes: tuple[Place, ...]
+    hub: bool
+    load_columns: csc_array
+    probe_columns: csc_array
+
+    @classmethod
+    def of(cls, case: Case) -> Outline:
+        """From a case's geometry, cell, loads and probes."""
+        mesh = build_mesh(case)
+        loads, probes = _place_all(mesh, case)
+        hub = any(isinstance(probe, HubProbe) for probe in case.probes)
+        responses = [_displacement(mesh, column) for _, column in loads + probes]
+        return cls(
+            mesh=mesh,
+            assembly=CellAssembly(mesh, ELEMENTS[case.cell.element]),
+            loads=tuple(place for place, _ in loads),
+            probes=tuple(_driving_point(place) for place, _ in loads)
+            + tuple(place for place, _ in probes),
+            hub=hub,
+            load_columns=hstack([column for _, column in loads], format="csc"),
+            probe_columns=hstack(responses + ([hub_columns(mesh)] if hub else []), format="csc"),
+        )
 
 
 def build_mesh(case: Case) -> CellMesh:
-    """Mesh one cell of a case. Raises MeshError where its sizes do not fit together."""
+    """Mesh one cell of a case. Raises CaseError or MeshError where its sizes do not fit."""
     quadratic = ELEMENTS[case.cell.element].n_nodes == 20
     section = tyre_section(case.geometry, quadratic)
     return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
+from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, case_hash, load_case, read_text, resolved_toml
-from tyrefrf.results import Provenance, Results
+from tyrefrf.fem.inflation import Inflation
+from tyrefrf.results import Provenance, Results, StaticState
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Progress, Spectrum, solve_spectrum
 
@@ -45,7 +47,8 @@ def run_case(
     model = build_model(case)
     frequency = np.array(case.frequency.lines())
     spectrum = solve_spectrum(model.problem, case.solver.name, frequency, jobs or cores(), progress)
-    return _results(model, frequency, spectrum, case_text, time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    return results_of(model, frequency, spectrum, case_text, {**sizes(model), "seconds": seconds})
 
 
 def cores() -> int:
@@ -53,11 +56,25 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _results(
-    model: Model, frequency: np.ndarray, spectrum: Spectrum, case_text: str, seconds: float
+def sizes(model: Model) -> dict[str, float | int]:
+    """How large a model is."""
+    return {
+        "section_nodes": model.mesh.n_face,
+        "cell_nodes": model.mesh.n_nodes,
+        "ring_nodes": model.mesh.n_own * model.case.cell.n_cells,
+        "ring_dofs": model.problem.n_ring_dofs,
+    }
+
+
+def results_of(
+    model: Model,
+    frequency: FloatArray,
+    spectrum: Spectrum,
+    case_text: str,
+    numbers: dict[str, float | int],
 ) -> Results:
     """Put the arrays under the names that users know."""
-    case, n_probes = model.case, len(model.probes)
+    n_probes = len(model.probes)
     by_load = spectrum.receptance.transpose(1, 0, 2)
     return Results(
         frequency=frequency,
@@ -70,23 +87,36 @@ def _results(
         solve_time=spectrum.solve_time,
         remark=spectrum.remark,
         section=model.mesh.section,
-        provenance=Provenance(
-            case_name=case.name,
-            title=case.title or case.name,
-            case_text=case_text,
-            resolved_case=resolved_toml(case),
-            case_hash=case_hash(case),
-            version=version("tyrefrf"),
-            solver=case.solver.name,
-            created=datetime.now(UTC).isoformat(timespec="seconds"),
-            n_cells=case.cell.n_cells,
-            sector_angle=model.mesh.sector_angle,
-            numbers={
-                "section_nodes": model.mesh.n_face,
-                "cell_nodes": model.mesh.n_nodes,
-                "ring_nodes": model.mesh.n_own * case.cell.n_cells,
-                "ring_dofs": model.problem.n_ring_dofs,
-                "seconds": seconds,
-            },
-        ),
+        provenance=provenance_of(model.case, case_text, numbers),
+        inflation=None if model.inflation is None else static_state(model, model.inflation),
+    )
+
+
+def static_state(model: Model, state: Inflation) -> StaticState:
+    """What of an inflation is kept: that of the left section and its elements."""
+    return StaticState(
+        pressure=model.case.inflation.pressure,
+        displacement=state.displacement[: model.mesh.n_face, :2].copy(),
+        stress=state.stress[: model.mesh.section.n_elements].copy(),
+        resultant=state.resultant,
+        share=np.array([step.share for step in state.steps]),
+        iterations=np.array([step.iterations for step in state.steps]),
+        lack=np.array([step.residual for step in state.steps]),
+    )
+
+
+def provenance_of(case: Case, case_text: str, numbers: dict[str, float | int]) -> Provenance:
+    """Where results of this case come from, made now."""
+    return Provenance(
+        case_name=case.name,
+        title=case.title or case.name,
+        case_text=case_text,
+        resolved_case=resolved_toml(case),
+        case_hash=case_hash(case),
+        version=version("tyrefrf"),
+        solver=case.solver.name,
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        n_cells=case.cell.n_cells,
+        sector_angle=2.0 * np.pi / case.cell.n_cells,
+        numbers=numbers,
     )

@@ -1,11 +1,10 @@
-"""The frequency sweep: chunks of lines over the cores, gathered into arrays."""
+"""Frequency lines of one or several problems: chunks over the cores, gathered into arrays."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from tyrefrf.solvers import SOLVERS, Line, RingProblem, solve_line
 from tyrefrf.study.executor import map_unordered
 
 CHUNKS_PER_JOB = 8  # both cores finish together to within an eighth, and start-up is paid once
+CHUNKS_PER_JOB_IN_ALL = 64  # of many problems: a chunk need not be shorter than that
 LONGEST_CHUNK = 64  # lines: a chunk is also how often progress is shown
 
 Progress = Callable[[int], None]
@@ -36,9 +36,21 @@ class Spectrum:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Chunk:
+    """Some lines [Hz] of one problem, by their numbers: what a worker is given at a time."""
+
+    number: int
+    problem: RingProblem
+    solver: str
+    frequency: FloatArray
+    lines: range
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class TimedLine:
     """One line's answer, where it belongs, and what it took [s]."""
 
+    number: int
     index: int
     line: Line
     seconds: float
@@ -55,38 +67,73 @@ def solve_spectrum(
 
     The answer does not depend on `jobs`. A line without an answer is NaN with its reason.
     """
+    return solve_spectra([problem], solver, frequency, jobs, progress)[0]
+
+
+def solve_spectra(
+    problems: Sequence[RingProblem],
+    solver: str,
+    frequency: FloatArray,
+    jobs: int,
+    progress: Progress = lambda n_lines: None,
+) -> list[Spectrum]:
+    """The same for several problems at the same lines, in their order.
+
+    One pool works at all of them: no process waits for a problem's last line.
+    """
     n = len(frequency)
-    length = int(np.clip(-(-n // (CHUNKS_PER_JOB * jobs)), 1, LONGEST_CHUNK))
-    chunks = [range(start, min(start + length, n)) for start in range(0, n, length)]
-    work = partial(_solve_chunk, problem, solver, frequency)
-
-    shape = (problem.probes.shape[1], problem.n_loads, n)
-    receptance = np.full(shape, complex(np.nan, np.nan))
-    residual, seconds = np.full(n, np.nan), np.full(n, np.nan)
-    remark = [""] * n
-    for lines in map_unordered(work, chunks, jobs):
+    length = _chunk_length(n, len(problems), jobs)
+    chunks = [
+        Chunk(number, problem, solver, frequency, range(start, min(start + length, n)))
+        for number, problem in enumerate(problems)
+        for start in range(0, n, length)
+    ]
+    gathered = [_Gathered(problem, n) for problem in problems]
+    for lines in map_unordered(_solve_chunk, chunks, jobs):
         for done in lines:
-            receptance[..., done.index] = done.line.receptance
-            residual[done.index] = done.line.residual
-            seconds[done.index] = done.seconds
-            remark[done.index] = done.line.remark
+            gathered[done.number].add(done)
         progress(len(lines))
-    return Spectrum(receptance, residual, seconds, tuple(remark))
+    return [found.spectrum() for found in gathered]
 
 
-def _solve_chunk(
-    problem: RingProblem, solver_name: str, frequency: FloatArray, chunk: range
-) -> list[TimedLine]:
+def _chunk_length(n_lines: int, n_problems: int, jobs: int) -> int:
+    """Lines in a chunk: short enough that the cores finish together, and not shorter."""
+    of_one = -(-n_lines // (CHUNKS_PER_JOB * jobs))
+    of_all = n_lines * n_problems // (CHUNKS_PER_JOB_IN_ALL * jobs)
+    return min(max(of_one, of_all), n_lines, LONGEST_CHUNK)
+
+
+class _Gathered:
+    """A problem's lines as they come."""
+
+    def __init__(self, problem: RingProblem, n_lines: int) -> None:
+        shape = (problem.probes.shape[1], problem.n_loads, n_lines)
+        self.receptance = np.full(shape, complex(np.nan, np.nan))
+        self.residual, self.seconds = np.full(n_lines, np.nan), np.full(n_lines, np.nan)
+        self.remark = [""] * n_lines
+
+    def add(self, done: TimedLine) -> None:
+        self.receptance[..., done.index] = done.line.receptance
+        self.residual[done.index] = done.line.residual
+        self.seconds[done.index] = done.seconds
+        self.remark[done.index] = done.line.remark
+
+    def spectrum(self) -> Spectrum:
+        return Spectrum(self.receptance, self.residual, self.seconds, tuple(self.remark))
+
+
+def _solve_chunk(chunk: Chunk) -> list[TimedLine]:
     """Solve some lines; one that fails is data."""
-    solver = SOLVERS[solver_name](problem)
+    problem = chunk.problem
+    solver = SOLVERS[chunk.solver](problem)
     lines = []
-    for index in chunk:
+    for index in chunk.lines:
         start = time.perf_counter()
         try:
-            line = solve_line(problem, solver, 2.0 * np.pi * float(frequency[index]))
+            line = solve_line(problem, solver, 2.0 * np.pi * float(chunk.frequency[index]))
         except SolveError as error:
             line = _failed(problem, str(error))
-        lines.append(TimedLine(index, line, time.perf_counter() - start))
+        lines.append(TimedLine(chunk.number, index, line, time.perf_counter() - start))
     return lines
 
 

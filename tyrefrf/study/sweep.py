@@ -1,0 +1,64 @@
+"""Parameter studies: a case at every combination of some parameters' values."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
+from tyrefrf.results import SweepResults
+from tyrefrf.study.model import Workshop
+from tyrefrf.study.run import cores, provenance_of, results_of, sizes
+from tyrefrf.study.spectrum import Progress, solve_spectra
+
+
+def sweep(
+    case: Case | str | Path, parameters: Mapping[str, Values | None], *, jobs: int | None = None
+) -> SweepResults:
+    """Compute a case on a grid: `tyrefrf.sweep("case.toml", {"E_rubber": ["14 MPa", 28e6]})`.
+
+    parameters: by place or short name, each with its values as `[sweep]` takes them, or None for
+    the values in the case's own `[sweep]`. jobs: processes, all cores by default.
+    Raises CaseError with everything that is wrong with any point.
+    """
+    wanted = {
+        name: tuple(values) if isinstance(values, list) else values
+        for name, values in parameters.items()
+    }
+    if isinstance(case, Case):
+        return run_sweep(make_grid(case, wanted), jobs=jobs)
+    path = Path(case)
+    return run_sweep(make_grid(load_case(path), wanted), jobs=jobs, case_text=read_text(path))
+
+
+def run_sweep(
+    grid: Grid,
+    *,
+    jobs: int | None = None,
+    case_text: str = "",
+    progress: Progress = lambda n_lines: None,
+) -> SweepResults:
+    """Compute every point of a grid, each to the bit as a run of that point's case alone.
+
+    All points are meshed and assembled before the first line is solved; what they share, once.
+    jobs, case_text, progress: as `run_case`. Raises CaseError with all points that cannot be
+    meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
+    """
+    start = time.perf_counter()
+    base = grid.base
+    models = grid.each(Workshop().model)
+    frequency = np.array(base.frequency.lines())
+    problems = [model.problem for model in models]
+    spectra = solve_spectra(problems, base.solver.name, frequency, jobs or cores(), progress)
+    seconds = time.perf_counter() - start
+    return SweepResults(
+        axes=grid.axes,
+        points=tuple(
+            results_of(model, frequency, spectrum, case_text, sizes(model))
+            for model, spectrum in zip(models, spectra, strict=True)
+        ),
+        provenance=provenance_of(base, case_text, {"points": len(models), "seconds": seconds}),
+    )
