@@ -4,7 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from tyrefrf.case import Bead, Belt, Geometry, Output, Tread, load_case, parse_case, starter_text
+from tyrefrf.case import (
+    Bead,
+    Belt,
+    Geometry,
+    Output,
+    Tread,
+    builtin_text,
+    load_case,
+    parse_case,
+    starter_text,
+)
 
 
 @pytest.fixture(params=["starter", "shipped"])
@@ -75,3 +85,12 @@ def test_it_names_the_schema_on_its_first_line(shipped, name):
     first = "#:schema ./tyrefrf.schema.json"
     assert (shipped / name).read_text().splitlines()[0] == first
     assert starter_text().splitlines()[0] == first
+    assert builtin_text().splitlines()[0] == first
+
+
+def test_the_builtin_tyre_is_the_paper_s_layered_one(shipped):
+    builtin = parse_case(builtin_text(), "builtin.toml", "tyre")
+    layered = load_case(shipped / "paper" / "layered.toml")
+    for table in ("geometry", "materials", "cell", "frequency", "loads", "probes", "inflation"):
+        assert getattr(builtin, table) == getattr(layered, table), table
+    assert "E_rubber" in builtin.sweep

@@ -34,7 +34,7 @@ from tyrefrf.case.places import (
 )
 from tyrefrf.case.resolved import case_hash, resolved, resolved_toml
 from tyrefrf.case.schema import case_schema
-from tyrefrf.case.starter import starter_text
+from tyrefrf.case.starter import builtin_text, starter_text
 from tyrefrf.case.sweep import Range, Values
 
 __all__ = [
@@ -78,6 +78,7 @@ __all__ = [
     "Values",
     "Viscoelastic",
     "build_case",
+    "builtin_text",
     "case_hash",
     "case_schema",
     "load_case",

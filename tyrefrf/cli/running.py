@@ -11,7 +11,7 @@ from pathlib import Path
 
 import typer
 
-from tyrefrf.case import Case, Solver, parse_case, read_text, starter_text, with_lines
+from tyrefrf.case import Case, Solver, builtin_text, parse_case, read_text, with_lines
 from tyrefrf.errors import CaseError, CommandError, MeshError
 
 
@@ -66,7 +66,7 @@ def check_case(case_file: Path | None, solver: str | None, jobs: int | None, *, 
 
 def read_case(case_file: Path | None, solver: str | None) -> tuple[Case, str]:
     """The case of a file, or the built-in tyre, and its text; with another solver if named."""
-    text = starter_text() if case_file is None else read_text(case_file)
+    text = builtin_text() if case_file is None else read_text(case_file)
     case = parse_case(text, _called(case_file), case_file.stem if case_file else "tyre")
     if solver is not None:
         case = case.model_copy(update={"solver": Solver.model_validate({"name": solver})})
