@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray
 from small import TEXT, case_with
 
 import tyrefrf
@@ -205,3 +206,16 @@ def test_sweep_takes_a_path_and_the_case_s_own_values(tmp_path):
     assert swept.provenance.case_text == path.read_text()
     assert swept.provenance.case_name == "tyre"
     assert swept.labels[1] == "E_rubber = 40 MPa, crown = 14 mm"
+
+
+def test_a_sweep_of_pressures_keeps_every_state_and_none_for_none(tmp_path):
+    swept = tyrefrf.sweep(case_with(), {"pressure": (0.0, 1e5, 2e5)}, jobs=1)
+    tyrefrf.write_sweep(tmp_path / "sweep.h5", swept)
+    read = tyrefrf.load_sweep(tmp_path / "sweep.h5")
+    assert [point.inflation is None for point in read.points] == [True, False, False]
+    one, two = read.points[1].inflation, read.points[2].inflation
+    np.testing.assert_array_equal(one.displacement, swept.points[1].inflation.displacement)
+    np.testing.assert_allclose(two.displacement, 2.0 * one.displacement)  # linear
+    with xarray.open_datatree(tmp_path / "sweep.h5", engine="h5netcdf") as tree:
+        assert tree["mobility"].dims == ("pressure", "load", "probe", "frequency")
+        assert tree["inflation_index"].to_numpy().tolist() == [-1, 0, 1]

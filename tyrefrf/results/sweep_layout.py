@@ -34,7 +34,12 @@ def sweep_datasets(sweep: SweepResults) -> list[Dataset]:
     tables = [fields_of(point) for point in sweep.points]
     groups = dict.fromkeys(field.group for table in tables for field in table)
     root = [field for field in tables[0] if not field.group]
-    taken = {field.name.rpartition("/")[2] for table in tables for field in table}
+    taken = {
+        field.name.rpartition("/")[2]
+        for table in tables
+        for field in table
+        if field.is_scale or not field.group
+    }
     names = _axis_names(sweep.axes, taken)
     datasets = [_axis_dataset(name, axis) for name, axis in zip(names, sweep.axes, strict=True)]
     datasets += [_stacked(sweep, names, field) for field in root]
@@ -59,7 +64,10 @@ def stored_name(file: Any, field: Field, point: tuple[int, ...]) -> str:
 
 
 def _axis_names(axes: tuple[Axis, ...], taken: set[str]) -> tuple[str, ...]:
-    """Names that HDF5 does not take for paths, and no other dataset has, in groups either."""
+    """Names that HDF5 does not take for paths, and that are not taken by others.
+
+    taken: datasets beside them, and axes in groups, which inherit these axes.
+    """
     names: list[str] = []
     for axis in axes:
         name = axis.name.replace("/", "_").strip(".")
