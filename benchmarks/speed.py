@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.machine import best, description, table, zgemm_rate
-from tyrefrf.case import Case, parse_case, starter_text
+from tyrefrf.case import Case, builtin_text, parse_case, starter_text
 from tyrefrf.solvers import SOLVERS, solve_line
 from tyrefrf.study.model import build_model
 
@@ -20,19 +20,10 @@ FREQUENCY = 700.0  # Hz; the operations are the same at every line
 
 
 def cases() -> dict[str, Case]:
-    """The paper's homogeneous tyre, and one of about 500 section dofs."""
-    text = starter_text()
-    fine = text
-    for old, new in (
-        ("elements_along = 28", "elements_along = 56"),
-        ("elements_through = 1", "elements_through = 2"),
-        ("sector_angle = 8.0", "sector_angle = 6.0"),
-    ):
-        assert old in fine
-        fine = fine.replace(old, new)
+    """The paper's two tyres."""
     return {
-        "homogeneous": parse_case(text, "starter", "homogeneous"),
-        "fine": parse_case(fine, "fine", "fine"),
+        "homogeneous": parse_case(starter_text(), "starter", "homogeneous"),
+        "layered": parse_case(builtin_text(), "built-in", "layered"),
     }
 
 

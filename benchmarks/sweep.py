@@ -1,4 +1,4 @@
-"""What a sweep of three moduli costs, beside one run of the same tyre.
+"""What the paper's parameter studies cost, beside runs of their points alone.
 
     python -m benchmarks.sweep
 
@@ -11,60 +11,66 @@ from __future__ import annotations
 
 import statistics
 import time
+from pathlib import Path
 
 import numpy as np
 
 from benchmarks.machine import description, table
-from tyrefrf.case import Case, make_grid, parse_case, starter_text
+from tyrefrf.case import Case, load_case, make_grid
 from tyrefrf.study.model import build_model
 from tyrefrf.study.run import cores
 from tyrefrf.study.spectrum import solve_spectrum
 from tyrefrf.study.sweep import run_sweep
 
-MODULI = (14e6, 28e6, 56e6)
-REPEATS = 3
+CASES = Path(__file__).parents[1] / "cases" / "paper"
+STUDIES = {"figure09": ("E_rubber", 3), "figure10": ("pressure", 1)}
+"""The paper's two parameter studies: what each sweeps, and how often it is measured."""
+
 PROMISE = 1.05
 
 
 def measured() -> str:
     """The table, in Markdown."""
-    case = parse_case(starter_text(), "starter", "tyre")
-    n_lines = len(case.frequency.lines())
-    run_sweep(make_grid(case, {"E_rubber": MODULI[:1]}), jobs=cores())  # starts the workers
-    singles, sweeps, busy = [], [], []
-    for _ in range(REPEATS):  # in turn: others on the machine disturb both alike
-        singles.append(_seconds_of_one(case, MODULI[0]))
-        start = time.perf_counter()
-        swept = run_sweep(make_grid(case, {"E_rubber": MODULI}), jobs=cores())
-        sweeps.append(time.perf_counter() - start)
-        busy.append(float(swept.solve_time.sum()) / (cores() * sweeps[-1]))
-    shares = [all_ / (len(MODULI) * one) for all_, one in zip(sweeps, singles, strict=True)]
-    rows = [
-        ["one point, solving alone [s]", *_spread(singles)],
-        [f"sweep of {len(MODULI)} points, all of it [s]", *_spread(sweeps)],
-        [f"sweep over {len(MODULI)} x one point", *_spread(shares)],
-        ["share of the cores' time that lines take, in the sweep", *_spread(busy)],
-    ]
+    warm = load_case(CASES / "figure05.toml")
+    run_sweep(make_grid(warm, {"E_rubber": (8e7,)}), jobs=cores())  # starts the workers
+    rows = [_row(name, *study) for name, study in STUDIES.items()]
     head = (
-        f"{n_lines} lines, moduli {', '.join(f'{E / 1e6:g}' for E in MODULI)} MPa, "
-        f"{cores()} processes; median and range of {REPEATS}. Promised: at most {PROMISE} and "
-        "start-up. Not shown: plots and writing."
+        f"{cores()} processes; median (and range where measured more than once). Promised: at most "
+        f"{PROMISE} and start-up. Not shown: plots and writing."
     )
-    return f"{head}\n\n" + table(["what", "median", "range"], rows)
+    columns = ["case", "lines", "points", "one point [s]", "sweep [s]"]
+    columns += ["sweep over points x one", "share of the cores' time in lines"]
+    return f"{head}\n\n" + table(columns, rows)
 
 
-def _seconds_of_one(case: Case, modulus: float) -> float:
+def _row(name: str, parameter: str, repeats: int) -> list[str]:
+    """One study measured; its points' solving times are those of runs of each alone."""
+    case = load_case(CASES / f"{name}.toml")
+    grid = make_grid(case, {parameter: None})
+    ones, sweeps, shares, busy = [], [], [], []
+    for _ in range(repeats):  # in turn: others on the machine disturb both alike
+        ones.append(statistics.mean(_seconds_of_one(point) for point in grid.cases))
+        start = time.perf_counter()
+        swept = run_sweep(grid, jobs=cores())
+        sweeps.append(time.perf_counter() - start)
+        shares.append(sweeps[-1] / (len(grid.cases) * ones[-1]))
+        busy.append(float(swept.solve_time.sum()) / (cores() * sweeps[-1]))
+    lines = str(len(case.frequency.lines()))
+    return [name, lines, str(len(grid.cases)), *map(_spread, (ones, sweeps, shares, busy))]
+
+
+def _seconds_of_one(case: Case) -> float:
     """Wall time [s] of one point's lines, everything else done before."""
-    grid = make_grid(case, {"E_rubber": (modulus,)})
-    model = build_model(grid.cases[0])
+    model = build_model(case)
     frequency = np.array(case.frequency.lines())
     start = time.perf_counter()
     solve_spectrum(model.problem, case.solver.name, frequency, cores())
     return time.perf_counter() - start
 
 
-def _spread(values: list[float]) -> list[str]:
-    return [f"{statistics.median(values):.3f}", f"{min(values):.3f} to {max(values):.3f}"]
+def _spread(values: list[float]) -> str:
+    median = f"{statistics.median(values):.3f}"
+    return f"{median} ({min(values):.3f} to {max(values):.3f})" if len(values) > 1 else median
 
 
 if __name__ == "__main__":

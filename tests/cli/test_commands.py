@@ -269,3 +269,16 @@ def test_help_imports_nothing_heavy(tmp_path):
     )
     for package in ("numpy", "scipy", "h5py", "matplotlib", "pydantic", "joblib"):
         assert not re.search(rf"\| +{package}\b", done.stderr), package
+
+
+def test_run_reports_the_inflation_and_how_it_converged(case):
+    case.write_text(text_with(("[cell]", '[inflation]\npressure = "1 bar"\n\n[cell]')))
+    done = tyrefrf_command("run", case, "--output", "out", "--jobs", 1, cwd=case.parent)
+    assert re.search(
+        r"pressure +1 bar moves the section by up to [\d.]+ mm .*outwards by [\d.]+ N .*residual",
+        done.stdout,
+    )
+    assert (case.parent / "out/plots/inflation.png").exists()
+    facts = json.loads(tyrefrf_command("info", "out/small.h5", "--json", cwd=case.parent).stdout)
+    assert facts["inflation"]["pressure"] == 1e5
+    assert facts["inflation"]["resultant"][0] > 0.0

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tyrefrf.case import Case
-from tyrefrf.results import Results
+from tyrefrf.results import Results, StaticState
 from tyrefrf.study.estimate import Estimate
 
 
@@ -35,6 +35,7 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "loads": [place.label for place in results.loads],
         "probes": [place.label for place in results.probes],
         "blocked_force": list(results.hub),
+        "inflation": _inflation(results.inflation),
         "largest_residual": float(np.max(results.residual[solved])) if solved.any() else None,
         "seconds_per_line": float(np.median(results.solve_time)),
         "failed": [
@@ -51,6 +52,25 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
     }
 
 
+def _inflation(state: StaticState | None) -> dict[str, Any] | None:
+    """How the tyre was inflated, and whether that converged; None without pressure."""
+    if state is None:
+        return None
+    grown = 1e3 * float(np.linalg.norm(state.displacement, axis=1).max())
+    steps, iterations = len(state.share), int(state.iterations.sum())
+    return {
+        "pressure": state.pressure,
+        "largest_displacement": grown / 1e3,
+        "steps": steps,
+        "iterations": iterations,
+        "residual": float(state.lack[-1]),
+        "resultant": state.resultant.tolist(),
+        "words": f"{state.pressure / 1e5:.4g} bar moves the section by up to {grown:.3g} mm and "
+        f"pushes a cell outwards by {state.resultant[0]:.4g} N "
+        f"({steps} step(s), {iterations} iteration(s), residual {state.lack[-1]:.0e})",
+    }
+
+
 def describe_run(facts: dict[str, Any]) -> str:
     """The summary at the end of a run."""
     n_failed = len(facts["failed"])
@@ -58,6 +78,7 @@ def describe_run(facts: dict[str, Any]) -> str:
         f"{facts['title']}",
         f"  tyre      {facts['cells']} cells, {facts['ring_nodes']} nodes, "
         f"{facts['ring_dofs']} dofs",
+        *([f"  pressure  {facts['inflation']['words']}"] if facts["inflation"] else []),
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
         f"  time      {facts['seconds']:.1f} s in all, "
@@ -81,6 +102,7 @@ def describe(results: Results) -> str:
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz, {results.n_failed} failed",
         f"  residual  {number_text(facts['largest_residual'])} at most",
+        *([f"  pressure  {facts['inflation']['words']}"] if facts["inflation"] else []),
         *(f"  load      {label}" for label in facts["loads"]),
         *(f"  probe     {label}" for label in facts["probes"]),
         *([f"  hub       {', '.join(results.hub)}"] if results.hub else []),

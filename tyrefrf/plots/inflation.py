@@ -32,7 +32,8 @@ def inflation_figures(results: Results) -> list[Figure]:
     set_title(
         panels[0],
         results,
-        f"inflated to {state.pressure / 1e5:.4g} bar in {len(state.share)} step(s)\n"
+        f"inflated to {state.pressure / 1e5:.4g} bar in {len(state.share)} step(s), "
+        f"{state.resultant[0]:.4g} N outwards on a cell\n"
         f"largest displacement {largest:.3g} mm, drawn {scale:g} times as large",
     )
     panels[0].set_ylabel("r [mm]")
