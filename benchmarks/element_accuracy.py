@@ -24,8 +24,9 @@ import numpy as np
 
 from tyrefrf.arrays import BoolArray, FloatArray
 from tyrefrf.case import Damping, Isotropic
-from tyrefrf.fem.assembly import assemble_cell, rotations
+from tyrefrf.fem.assembly import assemble_cell
 from tyrefrf.fem.elements import ELEMENTS, Element, jacobian
+from tyrefrf.fem.frames import rotations
 from tyrefrf.fem.quadrature import gauss
 from tyrefrf.mesh.cell import CellMesh, revolve
 from tyrefrf.mesh.section import SectionMesh

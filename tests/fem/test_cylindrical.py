@@ -16,9 +16,10 @@ from fem.blocks import Block, cell_of, crooked_section, revolve
 from scipy.sparse import block_diag, coo_array, csr_array
 
 from tyrefrf.arrays import FloatArray
-from tyrefrf.fem.assembly import CellMatrices, rotations
+from tyrefrf.fem.assembly import CellMatrices
 from tyrefrf.fem.elasticity import isotropic
 from tyrefrf.fem.elements import ELEMENTS, Element
+from tyrefrf.fem.frames import rotations
 from tyrefrf.mesh.cell import CellMesh
 
 E, NU, RHO = 28e6, 0.45, 1100.0

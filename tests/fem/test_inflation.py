@@ -23,9 +23,9 @@ from scipy.linalg import eigh
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.errors import SolveError
-from tyrefrf.fem.columns import axes
 from tyrefrf.fem.elasticity import isotropic
 from tyrefrf.fem.elements import ELEMENTS, Element
+from tyrefrf.fem.frames import axes
 from tyrefrf.fem.inflation import Inflatable, Inflation
 from tyrefrf.mesh.cell import CellMesh, revolve
 from tyrefrf.mesh.section import SectionMesh

@@ -27,8 +27,8 @@ from numpy.polynomial import Polynomial
 
 from tyrefrf.arrays import FloatArray
 from tyrefrf.case.geometry import Geometry
-from tyrefrf.fem.assembly import rotations
 from tyrefrf.fem.elements import ELEMENTS, Element
+from tyrefrf.fem.frames import rotations
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.mesh.profile import tyre_section
 from tyrefrf.mesh.section import SectionMesh

@@ -27,9 +27,10 @@ from tyrefrf.case import (
     TabledModulus,
     Viscoelastic,
 )
-from tyrefrf.fem.assembly import Pattern, assemble_cell, dofs_of, rotations, turned
+from tyrefrf.fem.assembly import Pattern, assemble_cell, dofs_of
 from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.elements import ELEMENTS
+from tyrefrf.fem.frames import rotations, turned
 from tyrefrf.fem.orientation import in_bricks
 from tyrefrf.solvers import SOLVERS, solve_line
 from tyrefrf.study.run import run_case

@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small import case_with
 
-from tyrefrf.fem.columns import axes, surface_column
+from tyrefrf.fem.columns import surface_column
+from tyrefrf.fem.frames import axes
 from tyrefrf.mesh.surface import Surface
 from tyrefrf.study.model import build_mesh, build_model
 

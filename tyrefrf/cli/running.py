@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -34,19 +35,33 @@ def run_to_files(
 
     start = time.perf_counter()
     case, text = read_case(case_file, solver)
-    directory = output or Path("results") / case.name
-    target = directory / f"{case.name}.h5"
+    target = new_target(output, case.name, force=force)
+    with progress_of(len(case.frequency.lines()), case.name) as progress, in_file(case_file, text):
+        results = run_case(case, jobs=jobs, case_text=text, progress=progress)
+    write_results(target, results)
+    drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
+    facts = summary(results, [target, *drawn]) | {"seconds": time.perf_counter() - start}
+    typer.echo(as_json(facts) if json else describe_run(facts))
+    return status_of(facts)
+
+
+def new_target(output: Path | None, name: str, *, force: bool) -> Path:
+    """The results file of a run or sweep of that name, its directory made.
+
+    Raises CommandError where it exists and nothing may be replaced.
+    """
+    directory = output or Path("results") / name
+    target = directory / f"{name}.h5"
     if target.exists() and not force:
         raise CommandError(
             f"{target} exists; --force replaces it, --output DIR writes somewhere else"
         )
     directory.mkdir(parents=True, exist_ok=True)
-    with progress_of(len(case.frequency.lines()), case.name) as progress, in_file(case_file, text):
-        results = run_case(case, jobs=jobs, case_text=text, progress=progress)
-    write_results(target, results)
-    drawn = draw_plots(results, directory / "plots", formats or case.output.plots)
-    facts = summary(results, [target, *drawn]) | {"seconds": time.perf_counter() - start}
-    typer.echo(as_json(facts) if json else describe_run(facts))
+    return target
+
+
+def status_of(facts: dict[str, Any]) -> int:
+    """The exit status of a run or sweep; its failed lines go to stderr."""
     for line in facts["failed"]:
         print(line, file=sys.stderr)
     return 1 if facts["failed"] else 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -59,7 +58,7 @@ def sweep_to_files(
     from tyrefrf.case import make_grid
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.cli.report import as_json
-    from tyrefrf.cli.running import read_case
+    from tyrefrf.cli.running import new_target, read_case, status_of
     from tyrefrf.plots import draw_sweep_plots
     from tyrefrf.results import write_sweep
     from tyrefrf.study.sweep import run_sweep
@@ -71,24 +70,16 @@ def sweep_to_files(
     wanted = parameters_of(given) or _only_own(case)
     with _of_sweep(case_file):
         grid = make_grid(case, wanted)
-    directory = output or Path("results") / f"{case.name}_sweep"
-    target = directory / f"{case.name}_sweep.h5"
-    if target.exists() and not force:
-        raise CommandError(
-            f"{target} exists; --force replaces it, --output DIR writes somewhere else"
-        )
-    directory.mkdir(parents=True, exist_ok=True)
+    target = new_target(output, f"{case.name}_sweep", force=force)
     n_points = len(grid.cases)
     n_lines = n_points * len(case.frequency.lines())
     with progress_of(n_lines, f"{case.name}, {n_points} points") as progress, _of_sweep(case_file):
         sweep = run_sweep(grid, jobs=jobs, case_text=text, progress=progress)
     write_sweep(target, sweep)
-    drawn = draw_sweep_plots(sweep, directory / "plots", formats or case.output.plots)
+    drawn = draw_sweep_plots(sweep, target.parent / "plots", formats or case.output.plots)
     facts = sweep_summary(sweep, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_sweep(facts))
-    for line in facts["failed"]:
-        print(line, file=sys.stderr)
-    return 1 if facts["failed"] else 0
+    return status_of(facts)
 
 
 @contextmanager

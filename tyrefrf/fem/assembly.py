@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from tyrefrf.fem.constitutive import Constitutive, Scaled, constitutive
 from tyrefrf.fem.elements import Element
+from tyrefrf.fem.frames import rotations, turned
 from tyrefrf.fem.orientation import in_bricks, layer_axes
 from tyrefrf.fem.relaxation import Reassembly, Relaxation, Scaling
 from tyrefrf.mesh.cell import CellMesh
@@ -176,28 +177,6 @@ def at_rest(
 def dofs_of(nodes: IntArray) -> IntArray:
     """Dofs (e, 3a) of bricks or faces with nodes (e, a): (r, y, theta) node by node."""
     return (3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), -1)
-
-
-def rotations(theta: FloatArray) -> FloatArray:
-    """Block-diagonal T (e, 3a, 3a) with [6] at every node: q^P = T q^C, [7] and [11].
-
-    theta: (e, a) angles of the nodes [rad].
-    """
-    n_elements, n_nodes = theta.shape
-    R = np.zeros((n_elements, n_nodes, 3, 3))
-    R[..., 0, 0] = R[..., 2, 2] = np.cos(theta)
-    R[..., 0, 2] = np.sin(theta)
-    R[..., 2, 0] = -np.sin(theta)
-    R[..., 1, 1] = 1.0
-    T = np.zeros((n_elements, n_nodes, 3, n_nodes, 3))
-    a = np.arange(n_nodes)
-    T[:, a, :, a, :] = R.transpose(1, 0, 2, 3)
-    return T.reshape(n_elements, 3 * n_nodes, 3 * n_nodes)
-
-
-def turned(T: FloatArray, A_C: FloatArray) -> FloatArray:
-    """A_P = T A_C T^-1 with T^-1 = T^T, [12] and [13]."""
-    return T @ A_C @ T.transpose(0, 2, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,18 +6,11 @@ import numpy as np
 from scipy.sparse import csc_array, hstack
 
 from tyrefrf.arrays import FloatArray, IntArray
+from tyrefrf.fem.frames import axes
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.mesh.surface import Spots
 
 NEGLIGIBLE = 1e-14  # of a column's largest weight: rounding of sines and cosines
-HUB = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-
-
-def axes(theta: FloatArray) -> FloatArray:
-    """Rows e_r, e_y, e_theta (..., 3, 3) in Cartesian components: [6]."""
-    c, s, o = np.cos(theta), np.sin(theta), np.zeros_like(theta)
-    rows = [[c, o, s], [o, o + 1.0, o], [-s, o, c]]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def surface_column(
@@ -43,7 +36,7 @@ def node_column(mesh: CellMesh, cell: int, node: int, direction: str) -> csc_arr
 
 
 def hub_columns(mesh: CellMesh) -> csc_array:
-    """Forces and moments on the rim, six columns in the order of HUB.
+    """Forces and moments on the rim, six columns in the order of `mesh.place.HUB`.
 
     Cartesian axes of the wheel, moments about its centre; they collect the forces that the tyre
     exerts on the rim's fixed nodes.

@@ -14,10 +14,10 @@ import numpy as np
 
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.errors import SolveError
-from tyrefrf.fem.assembly import CellMatrices, Pattern, dofs_of, rotations, turned
-from tyrefrf.fem.columns import axes
+from tyrefrf.fem.assembly import CellMatrices, Pattern, dofs_of
 from tyrefrf.fem.elasticity import VOIGT
 from tyrefrf.fem.elements import Element
+from tyrefrf.fem.frames import axes, rotations, turned
 from tyrefrf.fem.orientation import layer_axes
 from tyrefrf.fem.pressure import pressure_forces, pressure_stiffness
 from tyrefrf.fem.prestress import TENSOR, Deformed, geometric_stiffness

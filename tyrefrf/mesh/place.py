@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import degrees
 
+HUB = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+"""The blocked hub's components, in Cartesian axes about the wheel's centre."""
+
 
 @dataclass(frozen=True, slots=True)
 class Place:

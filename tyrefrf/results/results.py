@@ -10,13 +10,10 @@ import numpy as np
 
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from tyrefrf.errors import ResultsError
-from tyrefrf.mesh.place import Place
+from tyrefrf.mesh.place import HUB, Place
 from tyrefrf.mesh.section import SectionMesh
 
 Quantity = Literal["receptance", "mobility", "accelerance"]
-
-HUB = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-"""The blocked hub's components, in Cartesian axes about the wheel's centre."""
 
 
 @dataclass(frozen=True, slots=True)
