@@ -372,7 +372,8 @@ def tabled(small: str, first: float, **shift: float) -> str:
 
 
 def test_a_table_that_reaches_over_all_shifted_lines_is_accepted(small):
-    parse_case(tabled(small, 1.0, temperature=20), "t.toml", "small")
+    case = parse_case(tabled(small, 1.0, temperature=20), "t.toml", "small")
+    assert case.materials["rubber"].modulus.kind == "table"
 
 
 def test_a_shift_moves_the_lines_out_of_a_table(small):

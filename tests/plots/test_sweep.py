@@ -194,6 +194,7 @@ def test_a_sweep_without_any_answer_can_be_drawn():
     points = tuple(synthetic.with_failed(point, *range(401)) for point in made.points)
     for _, figure in sweep_figures(replace(made, points=points)):
         figure.draw_without_rendering()
+        assert figure.axes[0].get_title(loc="left")
 
 
 def test_every_figure_is_written_and_the_shared_section(tmp_path):

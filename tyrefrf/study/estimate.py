@@ -16,14 +16,13 @@ from tyrefrf.solvers import RingProblem
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
 
-JOIN_FLOPS = 43.0
-"""Operations of one join over n^3: factorisation 8/3, 2n right-hand sides 16, three products 24."""
+JOIN = 43.0 / 0.65
+"""Operations of one join over n^3, factorisation 8/3, substitution 16 and products 24, over the
+share of the machine's zgemm rate that they reach: 0.47 at n = 162, 0.78 at 501."""
 
-SPARSE_FLOPS = {"cyclic": 16.0, "direct": 160.0}
-"""Operations over N n w^2, w the section's half bandwidth: fitted to the homogeneous tyre."""
-
-EFFICIENCY = {"recursive": 0.7, "cyclic": 0.02, "direct": 0.02}
-"""Share of the machine's zgemm rate that a solver reaches (benchmarks/RESULTS.md)."""
+CYCLIC, DIRECT = 9000.0, 35.0
+"""Cost at the zgemm rate over N n w, w the section's half bandwidth, and over N n^3: what the
+homogeneous and the layered tyre take, both within 10 % (benchmarks/RESULTS.md)."""
 
 PROCESS_MEMORY = 130e6  # bytes of a process with numpy and scipy loaded
 START_UP = 3.0  # s: imports, worker processes, plots
@@ -141,15 +140,16 @@ def _section_dofs(problem: RingProblem) -> int:
 def _line_seconds(solver: str, problem: RingProblem) -> float:
     """Seconds per line, from the operations of the solver and this machine's zgemm rate."""
     n, N = _section_dofs(problem), problem.n_cells
+    own = int(problem.free.sum())
     if solver == "recursive":
-        interior = int(problem.free.sum()) - n
-        operations = JOIN_FLOPS * n**3 * _joins(N) + 8.0 * interior * (interior / 3 + 2 * n) ** 2
-    else:
+        cost = JOIN * n**3 * _joins(N) + 8.0 * (own - n) * ((own - n) / 3.0 + 2.0 * n) ** 2
+    elif solver == "cyclic":
         cell = problem.cell
-        own = (cell.rows < cell.n_own) & (cell.indices < cell.n_own)
-        width = np.mean(np.bincount(cell.rows[own])) / 2.0
-        operations = SPARSE_FLOPS[solver] * N * problem.free.sum() * width**2
-    return float(operations / (EFFICIENCY[solver] * zgemm_rate()))
+        inside = (cell.rows < cell.n_own) & (cell.indices < cell.n_own)
+        cost = CYCLIC * N * own * float(np.mean(np.bincount(cell.rows[inside]))) / 2.0
+    else:
+        cost = DIRECT * N * own**3
+    return float(cost / zgemm_rate())
 
 
 def _joins(n_cells: int) -> int:
