@@ -66,7 +66,8 @@ def _watch(process: subprocess.Popen[bytes]) -> dict[int, float]:
             pid = int(status.parent.name)
             if pid in family or int(facts["PPid"]) in family:
                 family.add(pid)
-                peaks[pid] = float(facts.get("VmHWM", "0 kB").split()[0]) / 1e3
+                mark = float(facts.get("VmHWM", "0 kB").split()[0]) / 1e3  # none once it has ended
+                peaks[pid] = max(peaks.get(pid, 0.0), mark)
         time.sleep(0.05)
     return peaks
 
