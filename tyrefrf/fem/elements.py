@@ -3,7 +3,7 @@
 Indices: e element, g Gauss point, a b node, i j Cartesian component, v strain component. Element
 dofs run node by node: (a, i). Every element answers two questions, `stiffness` and `mass`, from
 Cartesian coordinates X (e, a, 3) [m]. What each element is good for, and where it is not, is
-measured in tests/fem; see section 4 of the README's limits.
+measured in tests/fem; the README's limits sum it up.
 """
 
 from __future__ import annotations
