@@ -3,8 +3,9 @@
 The line is a curve with continuous tangent through four places of each half - rim, widest place,
 tread edge, crown - whose tangents are known: radial at the rim and at the widest place, along the
 crown's circle at the tread edge, axial at the crown. The body is the centre line thickened by half
-the local thickness to either side along its normal, so that inner and outer radius, section
-width, rim width and thicknesses come out exactly. A tread stands on the body.
+the local thickness to either side along its normal, so that inner and outer radius, rim width
+and thicknesses come out exactly; the section width is exact at the widest radius, and 1.3 um more
+beyond it, where the wall thickens. A tread stands on the body.
 """
 
 from __future__ import annotations
