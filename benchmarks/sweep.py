@@ -64,7 +64,7 @@ def _seconds_of_one(case: Case) -> float:
     model = build_model(case)
     frequency = np.array(case.frequency.lines())
     start = time.perf_counter()
-    solve_spectrum(model.problem, case.solver.name, frequency, cores())
+    solve_spectrum(model.problem, case.solver, frequency, cores())
     return time.perf_counter() - start
 
 

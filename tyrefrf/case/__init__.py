@@ -16,7 +16,7 @@ from tyrefrf.case.material import (
     Transverse,
     Viscoelastic,
 )
-from tyrefrf.case.model import Case, Damping, Output, Solver
+from tyrefrf.case.model import Case, Damping, Output
 from tyrefrf.case.modulus import FractionalZener, ModulusLaw, PronySeries, Shift, TabledModulus
 from tyrefrf.case.places import (
     AtNode,
@@ -34,6 +34,7 @@ from tyrefrf.case.places import (
 )
 from tyrefrf.case.resolved import case_hash, resolved, resolved_toml
 from tyrefrf.case.schema import case_schema
+from tyrefrf.case.solver import Solver, SolverName
 from tyrefrf.case.starter import builtin_text, starter_text
 from tyrefrf.case.sweep import Range, Values
 
@@ -71,6 +72,7 @@ __all__ = [
     "Range",
     "Shift",
     "Solver",
+    "SolverName",
     "TabledModulus",
     "Thickness",
     "Transverse",

@@ -19,6 +19,7 @@ from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.material import Material
 from tyrefrf.case.places import Load, Probe
+from tyrefrf.case.solver import Solver
 from tyrefrf.case.sweep import Sweep
 from tyrefrf.case.table import Name, Table
 from tyrefrf.case.units import RATE, TIME, Quantity
@@ -31,16 +32,6 @@ class Damping(Table):
 
     alpha: Annotated[float, Quantity(RATE, ge=0)] = Field(0.0, description="factor of M [1/s]")
     beta: Annotated[float, Quantity(TIME, ge=0)] = Field(0.0, description="factor of K [s]")
-
-
-class Solver(Table):
-    """How the ring is solved; all solvers give the same answer."""
-
-    name: Literal["recursive", "cyclic", "direct"] = Field(
-        "recursive",
-        description="recursive: doubling (the paper's); cyclic: one system per circumferential "
-        "order; direct: the whole ring, assembled",
-    )
 
 
 class Output(Table):

@@ -21,6 +21,8 @@ PIVOT_RESIDUAL = 1e-10
 class Cyclic:
     """One SuperLU factorisation per circumferential order h = 0 .. N - 1."""
 
+    exact = True
+
     def __init__(self, problem: RingProblem) -> None:
         self.problem = problem
         self._orders = Orders(problem.cell)

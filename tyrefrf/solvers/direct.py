@@ -12,6 +12,8 @@ from tyrefrf.solvers.problem import Field, RingProblem
 class Direct:
     """SuperLU of the ring's dynamic stiffness."""
 
+    exact = True
+
     def __init__(self, problem: RingProblem) -> None:
         self.problem = problem
         cell = problem.cell

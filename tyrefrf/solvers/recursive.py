@@ -28,6 +28,8 @@ class Recursive:
     by `Cyclic`, and says so.
     """
 
+    exact = True
+
     def __init__(self, problem: RingProblem) -> None:
         self.problem = problem
         self._condense = Condenser(problem.cell)

@@ -46,7 +46,7 @@ def run_case(
     start = time.perf_counter()
     model = build_model(case)
     frequency = np.array(case.frequency.lines())
-    spectrum = solve_spectrum(model.problem, case.solver.name, frequency, jobs or cores(), progress)
+    spectrum = solve_spectrum(model.problem, case.solver, frequency, jobs or cores(), progress)
     seconds = time.perf_counter() - start
     return results_of(model, frequency, spectrum, case_text, {**sizes(model), "seconds": seconds})
 

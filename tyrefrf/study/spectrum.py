@@ -5,13 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.errors import SolveError
-from tyrefrf.solvers import SOLVERS, Line, RingProblem, solve_line
+from tyrefrf.solvers import Line, Maker, RingProblem, prepare, solve_line
 from tyrefrf.study.executor import map_unordered
+
+if TYPE_CHECKING:
+    from tyrefrf.case import Solver
 
 CHUNKS_PER_JOB = 8  # both cores finish together to within an eighth, and start-up is paid once
 CHUNKS_PER_JOB_IN_ALL = 64  # of many problems: a chunk need not be shorter than that
@@ -27,12 +31,14 @@ class Spectrum:
 
     receptance: (n_probes, n_loads, f) [m/N], NaN where a line failed. residual: (f,).
     solve_time: (f,) [s]. remark: f texts, "" or what was special, or why the line failed.
+    prepare_time: what the solver took before the first line [s]; a modal one's modes.
     """
 
     receptance: ComplexArray
     residual: FloatArray
     solve_time: FloatArray
     remark: tuple[str, ...]
+    prepare_time: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +47,7 @@ class Chunk:
 
     number: int
     problem: RingProblem
-    solver: str
+    make_solver: Maker
     frequency: FloatArray
     lines: range
 
@@ -58,21 +64,22 @@ class TimedLine:
 
 def solve_spectrum(
     problem: RingProblem,
-    solver: str,
+    solver: Solver,
     frequency: FloatArray,
     jobs: int,
     progress: Progress = lambda n_lines: None,
 ) -> Spectrum:
-    """Solve every frequency line [Hz] by the solver of that name in `SOLVERS`.
+    """Solve every frequency line [Hz] by the solver that the case chose.
 
     The answer does not depend on `jobs`. A line without an answer is NaN with its reason.
+    Raises SolveError where no line could be solved: too little memory, a library that is missing.
     """
     return solve_spectra([problem], solver, frequency, jobs, progress)[0]
 
 
 def solve_spectra(
     problems: Sequence[RingProblem],
-    solver: str,
+    solver: Solver,
     frequency: FloatArray,
     jobs: int,
     progress: Progress = lambda n_lines: None,
@@ -83,12 +90,15 @@ def solve_spectra(
     """
     n = len(frequency)
     length = _chunk_length(n, len(problems), jobs)
-    chunks = [
-        Chunk(number, problem, solver, frequency, range(start, min(start + length, n)))
-        for number, problem in enumerate(problems)
-        for start in range(0, n, length)
-    ]
-    gathered = [_Gathered(problem, n) for problem in problems]
+    gathered, chunks = [], []
+    for number, problem in enumerate(problems):
+        begun = time.perf_counter()
+        make = prepare(problem, solver, jobs)
+        gathered.append(_Gathered(problem, n, time.perf_counter() - begun))
+        chunks += [
+            Chunk(number, problem, make, frequency, range(start, min(start + length, n)))
+            for start in range(0, n, length)
+        ]
     for lines in map_unordered(_solve_chunk, chunks, jobs):
         for done in lines:
             gathered[done.number].add(done)
@@ -106,7 +116,8 @@ def _chunk_length(n_lines: int, n_problems: int, jobs: int) -> int:
 class _Gathered:
     """A problem's lines as they come."""
 
-    def __init__(self, problem: RingProblem, n_lines: int) -> None:
+    def __init__(self, problem: RingProblem, n_lines: int, prepare_time: float) -> None:
+        self.prepare_time = prepare_time
         shape = (problem.probes.shape[1], problem.n_loads, n_lines)
         self.receptance = np.full(shape, complex(np.nan, np.nan))
         self.residual, self.seconds = np.full(n_lines, np.nan), np.full(n_lines, np.nan)
@@ -119,13 +130,15 @@ class _Gathered:
         self.remark[done.index] = done.line.remark
 
     def spectrum(self) -> Spectrum:
-        return Spectrum(self.receptance, self.residual, self.seconds, tuple(self.remark))
+        return Spectrum(
+            self.receptance, self.residual, self.seconds, tuple(self.remark), self.prepare_time
+        )
 
 
 def _solve_chunk(chunk: Chunk) -> list[TimedLine]:
     """Solve some lines; one that fails is data."""
     problem = chunk.problem
-    solver = SOLVERS[chunk.solver](problem)
+    solver = chunk.make_solver()
     lines = []
     for index in chunk.lines:
         start = time.perf_counter()

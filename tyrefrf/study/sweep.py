@@ -52,7 +52,7 @@ def run_sweep(
     models = grid.each(Workshop().model)
     frequency = np.array(base.frequency.lines())
     problems = [model.problem for model in models]
-    spectra = solve_spectra(problems, base.solver.name, frequency, jobs or cores(), progress)
+    spectra = solve_spectra(problems, base.solver, frequency, jobs or cores(), progress)
     seconds = time.perf_counter() - start
     return SweepResults(
         axes=grid.axes,
