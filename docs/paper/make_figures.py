@@ -15,7 +15,7 @@ import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.case import Case, build_case, load_case, resolved
-from tyrefrf.plots import draw_plots, draw_sweep_plots
+from tyrefrf.plots import draw_plots
 from tyrefrf.results import Results, SweepResults
 from tyrefrf.solvers import SOLVERS
 from tyrefrf.study.model import build_model
@@ -54,9 +54,8 @@ def case_of(number: int, **changes: object) -> Case:
 
 def keep(found: Results | SweepResults, wanted: dict[str, str]) -> None:
     """Draw everything, and keep the figures wanted under the names given to them."""
-    draw = draw_plots if isinstance(found, Results) else draw_sweep_plots
     scratch = HERE / "scratch"
-    drawn = {path.stem: path for path in draw(found, scratch)}  # type: ignore[arg-type]
+    drawn = {path.stem: path for path in draw_plots(found, scratch)}
     for stem, name in wanted.items():
         drawn[stem].replace(HERE / f"{name}.png")
     shutil.rmtree(scratch)

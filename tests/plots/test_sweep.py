@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_rgb
 
 from tyrefrf.case.axis import Axis
-from tyrefrf.plots import draw_sweep_plots
+from tyrefrf.plots import draw_plots
 from tyrefrf.plots.sweep import LIGHTEST, sweep_figures
 from tyrefrf.results import SweepResults
 
@@ -198,7 +198,7 @@ def test_a_sweep_without_any_answer_can_be_drawn():
 
 
 def test_every_figure_is_written_and_the_shared_section(tmp_path):
-    written = draw_sweep_plots(sweep(THREE, frequency=synthetic.LINES[::40]), tmp_path / "plots")
+    written = draw_plots(sweep(THREE, frequency=synthetic.LINES[::40]), tmp_path / "plots")
     assert sorted((tmp_path / "plots").iterdir()) == sorted(written)
     assert written[0].name == f"{DRIVE}.png"
     assert "mobility_radial_far_side.png" in [path.name for path in written]
@@ -209,7 +209,7 @@ def test_sections_that_differ_are_not_drawn(tmp_path):
     made = sweep(crown(0.012, 0.014), frequency=synthetic.LINES[::40])
     section = replace(made.points[1].section, points=made.points[1].section.points + 0.001)
     points = (made.points[0], replace(made.points[1], section=section))
-    written = draw_sweep_plots(replace(made, points=points), tmp_path)
+    written = draw_plots(replace(made, points=points), tmp_path)
     assert "section.png" not in [path.name for path in written]
 
 

@@ -21,7 +21,8 @@ from tyrefrf.results import (
     sweep_layout,
     write_sweep,
 )
-from tyrefrf.results.layout import Field, fields_of
+from tyrefrf.results.field import Field
+from tyrefrf.results.run_layout import fields_of
 
 MODULUS = Axis("E_rubber", "materials.rubber.E", "Pa", "Young's modulus", (14e6, 28e6, 56e6))
 CROWN = Axis("crown", "geometry.thickness.crown", "m", "thickness at mid-tread", (0.012, 0.014))
@@ -210,9 +211,9 @@ def test_a_sweep_and_a_run_are_not_taken_for_each_other(tmp_path):
 
     write_sweep(tmp_path / "sweep.h5", by_modulus())
     write_results(tmp_path / "run.h5", synthetic.results(FEW))
-    with pytest.raises(ResultsError, match="a sweep; read it with load_sweep"):
+    with pytest.raises(ResultsError, match="holds a sweep; read it with load_sweep"):
         load_results(tmp_path / "sweep.h5")
-    with pytest.raises(ResultsError, match="a single run; read it with load_results"):
+    with pytest.raises(ResultsError, match="holds a run; read it with load_results"):
         load_sweep(tmp_path / "run.h5")
     assert isinstance(load_any(tmp_path / "sweep.h5"), SweepResults)
 

@@ -27,11 +27,12 @@ app = typer.Typer(
 
 
 class SolverName(StrEnum):
-    """The solvers; all give the same answer."""
+    """The solvers; all give the same answer, but modal is truncated."""
 
     recursive = "recursive"
     cyclic = "cyclic"
     direct = "direct"
+    modal = "modal"
 
 
 class PlotFormat(StrEnum):
@@ -180,33 +181,25 @@ def plot(
     ] = None,
     formats: Formats = None,
 ) -> None:
-    """Draw the plots of RESULTS, a run's or a sweep's, again."""
-    from tyrefrf.plots import draw_plots, draw_sweep_plots
-    from tyrefrf.results import Results, load_any
+    """Draw the plots of RESULTS again, whatever command made them."""
+    from tyrefrf.plots import draw_plots
+    from tyrefrf.results import load_any
 
     directory, forms = output or results.parent / "plots", _names(formats) or ("png",)
-    found = load_any(results)
-    if isinstance(found, Results):
-        drawn = draw_plots(found, directory, forms)
-    else:
-        drawn = draw_sweep_plots(found, directory, forms)
-    for path in drawn:
+    for path in draw_plots(load_any(results), directory, forms):
         typer.echo(str(path))
 
 
 @app.command()
 def info(results: ResultsFile, json: Json = False) -> None:
     """Say what RESULTS holds and where it comes from."""
-    from tyrefrf.cli.report import as_json, describe, summary
-    from tyrefrf.cli.sweeping import describe_sweep, sweep_summary
-    from tyrefrf.results import Results, load_any
+    from tyrefrf.cli.contents import TOLD
+    from tyrefrf.cli.report import as_json
+    from tyrefrf.results import load_any
 
     found = load_any(results)
-    if isinstance(found, Results):
-        typer.echo(as_json(summary(found, [results])) if json else describe(found))
-    else:
-        facts = sweep_summary(found, [])
-        typer.echo(as_json(facts) if json else describe_sweep(facts))
+    told = TOLD[type(found)]
+    typer.echo(as_json(told.facts(found, [results])) if json else told.words(found))
 
 
 @app.command()

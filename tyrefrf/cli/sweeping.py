@@ -59,7 +59,7 @@ def sweep_to_files(
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.cli.report import as_json
     from tyrefrf.cli.running import new_target, read_case, status_of
-    from tyrefrf.plots import draw_sweep_plots
+    from tyrefrf.plots import draw_plots
     from tyrefrf.results import write_sweep
     from tyrefrf.study.sweep import run_sweep
 
@@ -76,7 +76,7 @@ def sweep_to_files(
     with progress_of(n_lines, f"{case.name}, {n_points} points") as progress, _of_sweep(case_file):
         sweep = run_sweep(grid, jobs=jobs, case_text=text, progress=progress)
     write_sweep(target, sweep)
-    drawn = draw_sweep_plots(sweep, target.parent / "plots", formats or case.output.plots)
+    drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
     facts = sweep_summary(sweep, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_sweep(facts))
     return status_of(facts)

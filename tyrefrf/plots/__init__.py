@@ -1,5 +1,5 @@
 """Figures of results (the only matplotlib code of the program)."""
 
-from tyrefrf.plots.files import draw_plots, draw_sweep_plots
+from tyrefrf.plots.files import draw_plots
 
-__all__ = ["draw_plots", "draw_sweep_plots"]
+__all__ = ["draw_plots"]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -16,6 +17,7 @@ from tyrefrf.plots.mobility import mobility_figures
 from tyrefrf.plots.section import section_figure
 from tyrefrf.plots.style import house_style
 from tyrefrf.plots.sweep import sweep_figures
+from tyrefrf.results.reader import Content
 from tyrefrf.results.results import Results
 from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.whole import whole_file
@@ -25,21 +27,15 @@ LONGEST = 80  # characters of a load's name in a file name
 
 
 def draw_plots(
-    results: Results, directory: str | Path, formats: Sequence[str] = ("png",)
+    results: Content, directory: str | Path, formats: Sequence[str] = ("png",)
 ) -> list[Path]:
     """Draw every figure of the results into a directory; the files written, in order.
 
-    formats: "png", "pdf" or "svg", one file of each for every figure; files of the same names
-    are replaced. Raises ResultsError for another format or where a file cannot be written.
+    results: of any kind that a file may hold. formats: "png", "pdf" or "svg", one file of each
+    for every figure; files of the same names are replaced.
+    Raises ResultsError for another format or where a file cannot be written.
     """
-    return _draw(_figures(results), directory, formats)
-
-
-def draw_sweep_plots(
-    sweep: SweepResults, directory: str | Path, formats: Sequence[str] = ("png",)
-) -> list[Path]:
-    """Draw every figure of a sweep, as `draw_plots` does those of a run."""
-    return _draw(_figures_of_sweep(sweep), directory, formats)
+    return _draw(FIGURES[type(results)](results), directory, formats)
 
 
 def _draw(
@@ -60,7 +56,7 @@ def _draw(
     return written
 
 
-def _figures(results: Results) -> Iterator[tuple[str, Figure]]:
+def _figures_of_run(results: Results) -> Iterator[tuple[str, Figure]]:
     """Every figure with the stem of its file's name."""
     taken: set[str] = set()
     for load in results.loads:
@@ -83,6 +79,13 @@ def _figures_of_sweep(sweep: SweepResults) -> Iterator[tuple[str, Figure]]:
         yield _unique(_file_name(stem), taken), figure
     if sweep.has_one_section:
         yield _unique("section", taken), section_figure(sweep.points[0])
+
+
+FIGURES: dict[type, Callable[[Any], Iterator[tuple[str, Figure]]]] = {
+    Results: _figures_of_run,
+    SweepResults: _figures_of_sweep,
+}
+"""The figures of each kind of results, with the stems of their files' names."""
 
 
 def _file_name(name: str) -> str:

@@ -13,14 +13,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import fields as attributes
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tyrefrf.case.axis import Axis
-from tyrefrf.results.layout import Dataset, Field, Kind, fields_of
-from tyrefrf.results.results import Provenance, Results
+from tyrefrf.results.field import Columns, Dataset, Field, Kind
+from tyrefrf.results.file import array_of, plain, provenance_of
+from tyrefrf.results.results import Provenance
+from tyrefrf.results.run_layout import fields_of, results_of, run_fields
 from tyrefrf.results.sweep import SweepResults
 
 POINT = "point"
@@ -49,8 +52,45 @@ def sweep_datasets(sweep: SweepResults) -> list[Dataset]:
     return datasets + list(_own_facts(sweep, names))
 
 
+def read_sweep(file: Any) -> SweepResults:
+    """The sweep that an open file holds."""
+    axes = _axes_of(file)
+    points = [
+        results_of(_columns_at(file, point), _provenance_at(file, point))
+        for point in product(*(range(len(axis.values)) for axis in axes))
+    ]
+    return SweepResults(axes, tuple(points), provenance_of(file))
+
+
+def _axes_of(file: Any) -> tuple[Axis, ...]:
+    """The parameters: what leads a run's own dimensions."""
+    mobility = file["mobility"]
+    return tuple(_axis_of(mobility.dims[n][0]) for n in range(mobility.ndim - 3))
+
+
+def _axis_of(scale: Any) -> Axis:
+    return Axis(
+        name=scale.attrs["parameter"],
+        place=scale.attrs["place"],
+        units=scale.attrs["units"],
+        meaning=scale.attrs["long_name"],
+        values=tuple(scale[...].tolist()),
+    )
+
+
+def _columns_at(file: Any, point: tuple[int, ...]) -> Columns:
+    """Every array of a point."""
+    table = run_fields(with_hub="hub" in file, with_inflation=has_group(file, "inflation", point))
+    return {field.name: _column(file, field, point) for field in table}
+
+
+def _column(file: Any, field: Field, point: tuple[int, ...]) -> NDArray[Any]:
+    dataset = file[stored_name(file, field, point)]
+    return array_of(dataset, field.kind, point if dataset.ndim > len(field.axes) else ...)
+
+
 def has_group(file: Any, group: str, point: tuple[int, ...]) -> bool:
-    """Whether a point, or a run whose point is (), has a group at all."""
+    """Whether a point has a group at all."""
     index = f"{group}_index"
     return int(file[index][point]) != NONE if index in file else group in file
 
@@ -61,6 +101,21 @@ def stored_name(file: Any, field: Field, point: tuple[int, ...]) -> str:
     if not field.group or index not in file:
         return field.name
     return _in_group(field.group, int(file[index][point]), field.name)
+
+
+def _provenance_at(file: Any, point: tuple[int, ...]) -> Provenance:
+    """The case's provenance with what is the point's own."""
+    known = {attribute.name for attribute in attributes(Provenance)}
+    own = {name: _value(dataset, point) for name, dataset in file[POINT].items()}
+    numbers = {name: value for name, value in own.items() if name not in known}
+    changed = {name: value for name, value in own.items() if name in known}
+    return replace(provenance_of(file), numbers=numbers, **changed)
+
+
+def _value(dataset: Any, point: tuple[int, ...]) -> Any:
+    """One value of a dataset, as Python's own type."""
+    value = dataset[point]
+    return value.decode() if isinstance(value, bytes) else plain(value)
 
 
 def _axis_names(axes: tuple[Axis, ...], taken: set[str]) -> tuple[str, ...]:
@@ -141,7 +196,7 @@ def _own(sweep: SweepResults, names: tuple[str, ...], name: str, values: list[An
 
 _UNITS = {"sector_angle": "rad", "n_cells": "1", "seconds": "s"}
 
-_nothing: Callable[[Results], Any] = lambda _: ()  # noqa: E731  a field whose array is given
+_nothing: Callable[[Any], Any] = lambda _: ()  # noqa: E731  a field whose array is given
 
 
 def _in_group(group: str, k: int, name: str) -> str:

@@ -1,0 +1,27 @@
+"""What `tyrefrf info` says of each kind of results that a file may hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tyrefrf.cli.report import describe, summary
+from tyrefrf.cli.sweeping import describe_sweep, sweep_summary
+from tyrefrf.results import Results, SweepResults
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """How results are told: facts for scripts, of the results and their files, and words."""
+
+    facts: Callable[[Any, list[Path]], dict[str, Any]]
+    words: Callable[[Any], str]
+
+
+TOLD: dict[type, Told] = {
+    Results: Told(summary, describe),
+    SweepResults: Told(sweep_summary, lambda sweep: describe_sweep(sweep_summary(sweep, []))),
+}
+"""How each kind of results is told."""

@@ -1,0 +1,160 @@
+"""HDF5 files that appear whole, say where they come from, and are refused where damaged.
+
+What a file holds is its attribute `content`; which datasets, that content's own layout. h5py is
+imported when a file is opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import fields as attributes
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tyrefrf.errors import ResultsError
+from tyrefrf.results.field import Columns, Dataset, Field, Kind
+from tyrefrf.results.results import Provenance
+from tyrefrf.results.whole import whole_file
+
+PROGRAM = "tyrefrf"
+
+LAYOUT = 1
+"""Counts up where an older program would misread a newer file."""
+
+CONVENTIONS = (
+    "exp(+i omega t); ISO 7626-1: mobility = i omega receptance, accelerance = -omega^2 receptance;"
+    " axle along y, e_r = (cos t, 0, sin t), e_theta = (-sin t, 0, cos t); SI units, angles in rad"
+)
+
+
+def write_file(
+    path: str | Path, content: str, provenance: Provenance, datasets: Sequence[Dataset]
+) -> None:
+    """Write datasets to an HDF5 file that appears whole or not at all.
+
+    content: what the file holds, by which `load_any` knows how to read it. An existing file is
+    replaced. Raises ResultsError where the file cannot be written.
+    """
+    import h5py
+
+    path = Path(path)
+    try:
+        with whole_file(path) as temporary, h5py.File(temporary, "x") as file:
+            file.attrs["content"] = content
+            _write_attributes(file, provenance)
+            _write_datasets(file, datasets)
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be written: {error}") from error
+
+
+@contextmanager
+def open_file(path: Path) -> Iterator[Any]:
+    """Open a file that `write_file` wrote, to be read.
+
+    Raises ResultsError for what is no file, no HDF5, damaged, of another program, or of a
+    layout newer than this program knows.
+    """
+    import h5py
+
+    if not path.is_file():
+        raise ResultsError(f"{path}: no such file")
+    if not h5py.is_hdf5(path):
+        raise ResultsError(f"{path}: not an HDF5 file; expected what tyrefrf wrote")
+    try:
+        with h5py.File(path, "r") as file:
+            _check_origin(path, file)
+            yield file
+    except (OSError, KeyError, RuntimeError, ValueError) as error:
+        message = f"{path}: truncated or damaged: {error}; run the case again"
+        raise ResultsError(message) from error
+
+
+def columns_of(file: Any, table: Sequence[Field]) -> Columns:
+    """The arrays of the fields of an open file."""
+    return {field.name: array_of(file[field.name], field.kind) for field in table}
+
+
+def array_of(dataset: Any, kind: Kind, here: Any = ...) -> NDArray[Any]:
+    """A dataset, or a part of it, as an array; text as Python's own."""
+    array: NDArray[Any] = (dataset.asstr() if kind == "text" else dataset)[here]
+    return array
+
+
+def provenance_of(file: Any) -> Provenance:
+    """Where an open file's results come from."""
+    known = {
+        attribute.name: plain(file.attrs[attribute.name])
+        for attribute in attributes(Provenance)
+        if attribute.name != "numbers"
+    }
+    numbers = {name: plain(value) for name, value in file["numbers"].attrs.items()}
+    return Provenance(**known, numbers=numbers)
+
+
+def plain(value: Any) -> Any:
+    """A number of numpy as Python's own."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _check_origin(path: Path, file: Any) -> None:
+    program = file.attrs.get("program", "an unknown program")
+    if program != PROGRAM:
+        raise ResultsError(f"{path}: HDF5 of {program}; expected results of tyrefrf")
+    layout, version = file.attrs["layout"], file.attrs["version"]
+    if layout > LAYOUT:
+        raise ResultsError(
+            f"{path}: layout {layout}, written by tyrefrf {version}; this tyrefrf reads layouts"
+            f" up to {LAYOUT}: upgrade it with `pip install --upgrade tyrefrf`"
+        )
+
+
+def _write_attributes(file: Any, provenance: Provenance) -> None:
+    file.attrs["Conventions"] = CONVENTIONS
+    file.attrs["program"] = PROGRAM
+    file.attrs["layout"] = LAYOUT
+    for attribute in attributes(provenance):
+        if attribute.name != "numbers":
+            file.attrs[attribute.name] = getattr(provenance, attribute.name)
+    file.create_group("numbers").attrs.update(provenance.numbers)
+
+
+def _write_datasets(file: Any, datasets: Sequence[Dataset]) -> None:
+    for field, array in datasets:
+        _create(file, field, array)
+    for field, _ in datasets:
+        for axis, name in enumerate(field.axes):
+            if not field.is_scale:
+                file[field.name].dims[axis].attach_scale(file[name])
+
+
+def _create(file: Any, field: Field, array: NDArray[Any]) -> None:
+    """Create one dataset, a dimension scale if it is its own axis."""
+    dataset = file.create_dataset(field.name, data=array, **_storage(field.kind, array))
+    dataset.attrs["units"] = field.units
+    dataset.attrs["long_name"] = field.long_name
+    dataset.attrs.update(field.more)
+    if field.is_scale:
+        dataset.make_scale(field.name.rpartition("/")[2])
+
+
+def _storage(kind: Kind, array: NDArray[Any]) -> dict[str, Any]:
+    """How HDF5 stores an array: numbers compressed and checked, in chunks along the last axis."""
+    import h5py
+
+    if kind == "text":
+        return {"dtype": h5py.string_dtype()}
+    if array.size == 0:
+        return {}
+    chunk = (1,) * (array.ndim - 1) + array.shape[-1:] if kind == "complex" else array.shape
+    fill = {"complex": complex(np.nan, np.nan), "float": np.nan}.get(kind)
+    return {
+        "chunks": chunk,
+        "compression": "gzip",
+        "shuffle": True,
+        "fletcher32": True,
+        "fillvalue": fill,
+    }
