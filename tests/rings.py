@@ -124,19 +124,37 @@ def lossless(ring: Ring) -> Ring:
 
 
 def lopsided(ring: Ring, seed: int = 1) -> Ring:
-    """The same tyre with a cell that is nowhere its own mirror image.
+    """The same tyre with a cell that is nowhere its own mirror image, by its interior.
 
     Interior nodes are moved at random and every brick takes one of two materials at random.
     """
     rng = np.random.default_rng(seed)
-    mesh = ring.mesh
-    points = mesh.points.copy()
-    inside = slice(mesh.n_face, mesh.n_own)
+    points = ring.mesh.points.copy()
+    inside = slice(ring.mesh.n_face, ring.mesh.n_own)
     points[inside] += rng.uniform(-1.0, 1.0, points[inside].shape) * [5e-4, 5e-4, 4e-3]
-    choice = rng.permutation(np.arange(len(mesh.bricks)) % 2)
+    return _mottled(replace(ring, mesh=replace(ring.mesh, points=points)), rng)
+
+
+def skewed(ring: Ring, seed: int = 1) -> Ring:
+    """The same tyre with a cell that is not its own mirror image, with or without an interior.
+
+    The sections are no planes: their nodes are moved along the ring at random, alike in all
+    sections, and every brick takes one of two materials at random.
+    """
+    rng = np.random.default_rng(seed)
+    mesh, points = ring.mesh, ring.mesh.points.copy()
+    turns = rng.uniform(-0.01, 0.01, mesh.n_face)  # less than any brick is thick
+    for section in (slice(0, mesh.n_face), slice(mesh.n_own, None)):
+        points[section, 2] += turns
+    return _mottled(replace(ring, mesh=replace(mesh, points=points)), rng)
+
+
+def _mottled(ring: Ring, rng: np.random.Generator) -> Ring:
+    """The same tyre of two materials, brick by brick at random, and viscous damping."""
+    choice = rng.permutation(np.arange(len(ring.mesh.bricks)) % 2)
     return replace(
         ring,
-        mesh=replace(mesh, points=points, material=choice, materials=("rubber", "tread")),
+        mesh=replace(ring.mesh, material=choice, materials=("rubber", "tread")),
         materials={
             "rubber": Isotropic(E=28e6, nu=0.45, rho=1100.0, eta=0.15),
             "tread": Isotropic(E=400e6, nu=0.3, rho=1500.0, eta=0.03),

@@ -13,13 +13,12 @@ from functools import cache
 import numpy as np
 import pytest
 from reference.calculix import N_CELLS, facts, needs_reference, ring
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import eigsh
 
 from tyrefrf.fem.assembly import CellMatrices
 from tyrefrf.fem.elasticity import isotropic
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.inflation import Inflatable, Inflation
+from tyrefrf.solvers.modes import ring_modes
 
 pytestmark = needs_reference
 
@@ -91,20 +90,11 @@ def test_pressure_stiffness_lowers_the_first_frequency_by_five_per_cent():
     assert first[1] / first[0] == pytest.approx(0.9506, abs=0.0005)
 
 
-def frequencies(cell: CellMatrices, per_order: int = 8) -> list[tuple[float, int]]:
-    """Natural frequencies [Hz] with their circumferential orders, ascending, pairs twice."""
-    K = sum(cell.K.values()) + cell.K_G + cell.K_P
-    keep = ~(cell.fixed[cell.rows] | cell.fixed[cell.indices])
-    rows, columns = cell.rows[keep], cell.indices[keep]
-    turns = (columns >= cell.n_own).astype(int) - (rows >= cell.n_own)
-    number = np.cumsum(~cell.fixed[: cell.n_own]) - 1
-    place = tuple(number[np.where(d >= cell.n_own, d - cell.n_own, d)] for d in (rows, columns))
-    n = number[-1] + 1
-    found = []
-    for h in range(N_CELLS // 2 + 1):
-        turn = np.exp(2j * np.pi * h * turns / N_CELLS)
-        K_h, M_h = (csc_array((A[keep] * turn, place), shape=(n, n)) for A in (K, cell.M))
-        squared = eigsh(K_h, per_order, M_h, sigma=0.0, return_eigenvectors=False)
-        hertz = np.sqrt(np.sort(squared)) / (2.0 * np.pi)
-        found += [(float(f), h) for f in hertz for _ in range(2 if h else 1)]
-    return sorted(found)
+def frequencies(cell: CellMatrices) -> list[tuple[float, int]]:
+    """The lowest natural frequencies [Hz] with their circumferential orders, ascending."""
+    modes = ring_modes(cell, N_CELLS, count=N_MODES + 1)
+    return sorted(
+        (float(omega) / (2.0 * np.pi), m.order)
+        for m in modes
+        for omega in np.repeat(m.omega, m.n_members)
+    )

@@ -7,8 +7,18 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from tyrefrf.solvers.cyclic import Cyclic
-from tyrefrf.solvers.direct import Direct
-from tyrefrf.solvers.problem import Field, Line, RingProblem, Solver, solve_line
+from tyrefrf.solvers.direct import Direct, check_library
+from tyrefrf.solvers.memory import check_memory
+from tyrefrf.solvers.modal import Modal
+from tyrefrf.solvers.problem import (
+    Field,
+    Line,
+    RingProblem,
+    Solver,
+    answer,
+    responses,
+    solve_line,
+)
 from tyrefrf.solvers.recursive import Recursive
 
 if TYPE_CHECKING:
@@ -19,15 +29,29 @@ SOLVERS: dict[str, Callable[[RingProblem], Solver]] = {
     "cyclic": Cyclic,
     "direct": Direct,
 }
-"""The solvers that need nothing but the problem, by the names that case files use."""
+"""The exact solvers, which need nothing but the problem, by the names that case files use."""
 
 Maker = Callable[[], Solver]
 """Makes a solver in the process that calls it; may be sent there."""
 
 
 def prepare(problem: RingProblem, choice: case.Solver, jobs: int = 1) -> Maker:
-    """What is done once for all processes; what is returned makes the solver in each of them."""
+    """What is done once for all processes; what is returned makes the solver in each of them.
+
+    Raises SolveError where no line could be solved: too little memory for `jobs` processes, a
+    library that is missing, modes that are not to be had.
+    """
+    if choice.name == "direct":
+        library = check_library(choice.library)
+        check_memory(problem, library, jobs)
+        return partial(Direct, problem, library)
+    if choice.name == "modal":
+        return partial(_itself, Modal.prepare(problem, choice))
     return partial(SOLVERS[choice.name], problem)
+
+
+def _itself(solver: Solver) -> Solver:
+    return solver
 
 
 __all__ = [
@@ -37,9 +61,12 @@ __all__ = [
     "Field",
     "Line",
     "Maker",
+    "Modal",
     "Recursive",
     "RingProblem",
     "Solver",
+    "answer",
     "prepare",
+    "responses",
     "solve_line",
 ]

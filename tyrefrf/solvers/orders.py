@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import splu
 
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from tyrefrf.fem.assembly import CellMatrices
@@ -56,7 +55,7 @@ class Orders:
         kept = entries[self._keep]
         return Folded(*(collect @ kept for collect in self._collect))
 
-    def matrix(self, entries: ComplexArray) -> csc_array:
+    def matrix(self, entries: ComplexArray | FloatArray) -> csc_array:
         """A_h (n, n) as scipy knows it, from what `Folded.at` gives."""
         return csc_array((entries, self._indices, self._indptr), shape=(self.n, self.n))
 
@@ -65,29 +64,3 @@ def _collector(slot: IntArray, here: BoolArray, n_slots: int) -> csr_array:
     """Sums the cell's entries that are `here` into the folded pattern."""
     entries = np.flatnonzero(here)
     return csr_array((np.ones(len(entries)), (slot[entries], entries)), shape=(n_slots, len(slot)))
-
-
-def unstable_orders(cell: CellMatrices, n_cells: int) -> dict[int, int]:
-    """Circumferential orders at which the static stiffness is indefinite, and by how many.
-
-    The loss-free K + K_G + K_P at rest has as many negative eigenvalues at order h as its
-    triangular factor has negative pivots (Sylvester). An empty answer: the tyre is stable.
-    """
-    orders = Orders(cell)
-    static = sum(cell.K.values(), start=cell.K_G + cell.K_P)
-    folded = orders.folded(static)
-    counts = {
-        h: _negative_eigenvalues(orders.matrix(folded.at(2.0 * np.pi * h / n_cells)))
-        for h in range(n_cells // 2 + 1)
-    }
-    return {h: count for h, count in counts.items() if count}
-
-
-def _negative_eigenvalues(A: csc_array) -> int:
-    """How many eigenvalues of a Hermitian matrix are negative."""
-    factor = splu(
-        A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    if np.array_equal(factor.perm_r, factor.perm_c):  # pivots from the diagonal: A = L D L^H
-        return int(np.sum(factor.U.diagonal().real < 0.0))
-    return int(np.sum(np.linalg.eigvalsh(A.toarray()) < 0.0))

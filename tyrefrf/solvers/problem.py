@@ -73,7 +73,8 @@ class Field:
     q: (n_cells, n_own, n_loads) [m/N], zero where fixed.
     remainder: f - D q, of the same shape: rounding where the tyre moves, what goes into the rim
         where it is fixed.
-    residual: ||f - D q|| / ||f|| over the dofs that move, the worst load's.
+    residual: ||f - D q|| / ||f|| over the dofs that move, the worst load's; also of a load that a
+        solver adds to be warned by it.
     remark: what was special about how it was found; mostly "".
     """
 
@@ -139,12 +140,22 @@ def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
             f"{field.residual:.1e}): an undamped resonance lies on this line, or nothing holds "
             "the tyre; add a loss factor, fix the rim, or move the line"
         )
-    response = np.where(problem.free[:, None], field.q, field.remainder)
-    return Line(
-        receptance=problem.probes.T @ response.reshape(problem.n_ring_dofs, -1),
-        residual=field.residual,
-        remark=field.remark,
-    )
+    return Line(responses(problem, field), field.residual, field.remark)
+
+
+def answer(problem: RingProblem, solver: Solver, omega: float) -> Line:
+    """One line as `solve_line`; where that has no answer, NaN and the reason."""
+    try:
+        return solve_line(problem, solver, omega)
+    except SolveError as error:
+        nowhere = np.full((problem.probes.shape[1], problem.n_loads), complex(np.nan, np.nan))
+        return Line(nowhere, float("nan"), str(error))
+
+
+def responses(problem: RingProblem, field: Field) -> ComplexArray:
+    """What the probes see of a field (n_probes, n_loads): displacements, and forces on the rim."""
+    seen = np.where(problem.free[:, None], field.q, field.remainder)
+    return problem.probes.T @ seen.reshape(problem.n_ring_dofs, -1)
 
 
 def ring_forces(problem: RingProblem, omega: float, q: ComplexArray) -> ComplexArray:

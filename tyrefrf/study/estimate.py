@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tyrefrf.case import Case
+from tyrefrf.case import Case, Solver
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.solvers import RingProblem
+from tyrefrf.solvers.direct import check_library
+from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
 
@@ -23,6 +25,12 @@ share of the machine's zgemm rate that they reach: 0.47 at n = 162, 0.78 at 501.
 CYCLIC, DIRECT = 9000.0, 35.0
 """Cost at the zgemm rate over N n w, w the section's half bandwidth, and over N n^3: what the
 homogeneous and the layered tyre take, both within 10 % (benchmarks/RESULTS.md)."""
+
+PARDISO = 0.3
+"""Of what SuperLU takes for `direct`: 0.22 on the layered tyre, 0.41 on the homogeneous one."""
+
+MODAL = 35_000.0
+"""Cost over N n: superposing 1000 modes, and the check of the field: 27 000 and 39 000."""
 
 PROCESS_MEMORY = 130e6  # bytes of a process with numpy and scipy loaded
 START_UP = 3.0  # s: imports, worker processes, plots
@@ -83,8 +91,8 @@ def estimate(case: Case, jobs: int) -> Estimate:
         n_probes=len(model.probes),
         resolution=resolution,
         warnings=(*_coarse(resolution), *_small_discs(model)),
-        seconds=START_UP + len(lines) * _line_seconds(case.solver.name, problem) / jobs,
-        memory=_memory(case.solver.name, problem, jobs),
+        seconds=START_UP + len(lines) * line_seconds(case.solver.name, problem) / jobs,
+        memory=_memory(case.solver, problem, jobs),
     )
 
 
@@ -137,7 +145,7 @@ def _section_dofs(problem: RingProblem) -> int:
     return int(problem.free[: problem.cell.n_face].sum())
 
 
-def _line_seconds(solver: str, problem: RingProblem) -> float:
+def line_seconds(solver: str, problem: RingProblem) -> float:
     """Seconds per line, from the operations of the solver and this machine's zgemm rate."""
     n, N = _section_dofs(problem), problem.n_cells
     own = int(problem.free.sum())
@@ -147,8 +155,10 @@ def _line_seconds(solver: str, problem: RingProblem) -> float:
         cell = problem.cell
         inside = (cell.rows < cell.n_own) & (cell.indices < cell.n_own)
         cost = CYCLIC * N * own * float(np.mean(np.bincount(cell.rows[inside]))) / 2.0
+    elif solver == "modal":
+        cost = MODAL * N * own
     else:
-        cost = DIRECT * N * own**3
+        cost = DIRECT * N * own**3 * (PARDISO if check_library("auto") == "pardiso" else 1.0)
     return float(cost / zgemm_rate())
 
 
@@ -157,14 +167,15 @@ def _joins(n_cells: int) -> int:
     return n_cells.bit_length() - 1 + n_cells.bit_count() - 1
 
 
-def _memory(solver: str, problem: RingProblem, jobs: int) -> float:
+def _memory(solver: Solver, problem: RingProblem, jobs: int) -> float:
     """Bytes that all processes take together."""
+    if solver.name == "direct":
+        return jobs * memory_needed(problem, solver.library)
     n = _section_dofs(problem)
-    matrices = 6 * (_joins(problem.n_cells) + 1) if solver == "recursive" else 2
+    matrices = 6 * (_joins(problem.n_cells) + 1) if solver.name == "recursive" else 2
     cell = 16.0 * (int(problem.free.sum()) + n) ** 2
     field = 16.0 * problem.n_ring_dofs * problem.n_loads * 4
-    fill = 16.0 * 100 * problem.n_ring_dofs if solver == "direct" else 0.0
-    return jobs * (PROCESS_MEMORY + 16.0 * matrices * n**2 + cell + field + fill)
+    return jobs * (PROCESS_MEMORY + 16.0 * matrices * n**2 + cell + field)
 
 
 def zgemm_rate(n: int = 256, repeats: int = 3) -> float:

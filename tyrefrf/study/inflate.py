@@ -11,7 +11,7 @@ from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.inflation import Inflatable, Inflation
 from tyrefrf.fem.orientation import in_bricks
 from tyrefrf.mesh.cell import CellMesh
-from tyrefrf.solvers.orders import unstable_orders
+from tyrefrf.solvers.inertia import unstable_orders
 
 if TYPE_CHECKING:
     from tyrefrf.case import Case, Material

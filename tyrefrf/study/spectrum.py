@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
-from tyrefrf.errors import SolveError
-from tyrefrf.solvers import Line, Maker, RingProblem, prepare, solve_line
+from tyrefrf.solvers import Line, Maker, RingProblem, answer, prepare
 from tyrefrf.study.executor import map_unordered
 
 if TYPE_CHECKING:
@@ -142,15 +141,6 @@ def _solve_chunk(chunk: Chunk) -> list[TimedLine]:
     lines = []
     for index in chunk.lines:
         start = time.perf_counter()
-        try:
-            line = solve_line(problem, solver, 2.0 * np.pi * float(chunk.frequency[index]))
-        except SolveError as error:
-            line = _failed(problem, str(error))
+        line = answer(problem, solver, 2.0 * np.pi * float(chunk.frequency[index]))
         lines.append(TimedLine(chunk.number, index, line, time.perf_counter() - start))
     return lines
-
-
-def _failed(problem: RingProblem, reason: str) -> Line:
-    """A line without an answer."""
-    nowhere = np.full((problem.probes.shape[1], problem.n_loads), complex(np.nan, np.nan))
-    return Line(nowhere, float("nan"), reason)
