@@ -1,7 +1,7 @@
-"""The command line: `tyrefrf run`, `sweep`, `check`, `plot`, `info`, `init`, `schema`.
+"""The command line: run, sweep, compare, modes, dispersion, check, plot, info, init, schema.
 
 Results go to stdout, progress and messages to stderr. Exit status 0: complete; 1: the run or some
-lines failed; 2: the case or the command line is wrong.
+lines failed, or breached their proof; 2: the case or the command line is wrong.
 """
 
 from __future__ import annotations
@@ -74,13 +74,21 @@ def run(
     solver: SolverOption = None,
     jobs: Jobs = None,
     formats: Formats = None,
+    certify: Annotated[
+        bool,
+        typer.Option(
+            "--certify",
+            help="Solve a sample of the lines by another solver, and by cells of half the angle.",
+        ),
+    ] = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
     """Compute the responses that CASE describes; write results and plots.
 
-    Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary. Exits 0 when every line has
-    its answer, 1 when some failed, 2 when the case is wrong.
+    Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary with the proof of every line:
+    its residual, passivity and reciprocity. Exits 0 when every line has its answer and proof, 1
+    when some have not, 2 when the case is wrong.
 
     Examples
     --------
@@ -88,12 +96,16 @@ def run(
 
       tyrefrf run case.toml --solver cyclic --jobs 1 --format png --format pdf
 
+      tyrefrf run case.toml --certify
+
       tyrefrf run case.toml --json > summary.json
     """
     from tyrefrf.cli.running import run_to_files
 
     raise typer.Exit(
-        run_to_files(case, output, solver, jobs, _names(formats), force=force, json=json)
+        run_to_files(
+            case, output, solver, jobs, _names(formats), certify=certify, force=force, json=json
+        )
     )
 
 

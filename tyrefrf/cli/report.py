@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case
 from tyrefrf.results import Results, StaticState
+from tyrefrf.results.proof import MEASURES, TRUNCATED, Worst, breaches
 from tyrefrf.study.estimate import Estimate
+
+MOST_NAMED = 10  # breaches, or pairs of load and probe, on the screen; JSON has all
 
 
 def as_json(data: object) -> str:
@@ -37,6 +42,9 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "blocked_force": list(results.hub),
         "inflation": _inflation(results.inflation),
         "largest_residual": float(np.max(results.residual[solved])) if solved.any() else None,
+        "proof": {name: _worst(measure.worst_of(results)) for name, measure in MEASURES.items()},
+        "breaches": list(breaches(results)),
+        "certificate": _certificate(results),
         "seconds_per_line": float(np.median(results.solve_time)),
         "failed": [
             remark for remark, failed in zip(results.remark, results.failed, strict=True) if failed
@@ -50,6 +58,51 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         ],
         "files": [str(path) for path in files],
     }
+
+
+def _worst(found: Worst | None) -> dict[str, Any] | None:
+    return None if found is None else asdict(found)
+
+
+def _certificate(results: Results) -> dict[str, Any] | None:
+    """How far a second look differs; None where none was asked for."""
+    certificate = results.certificate
+    if certificate is None:
+        return None
+    change = np.abs(certificate.level_change)
+    named = ((i, j) for i in range(len(results.loads)) for j in range(len(results.probes)))
+    return {
+        "solver": certificate.solver,
+        "lines": len(certificate.frequency),
+        "unanswered": int(np.isnan(certificate.residual).sum()),
+        "difference": _largest(certificate.difference),
+        "cell_difference": _largest(certificate.cell_difference),
+        "refined_cells": certificate.n_cells,
+        "refined_lines": len(certificate.refined_frequency),
+        "level_change": [
+            {
+                "load": results.loads[i].name,
+                "probe": results.probes[j].name,
+                "median": _median(change[i, j]),
+                "largest": _largest(change[i, j]),
+            }
+            for i, j in named
+        ],
+        "median_level_change": _median(change),
+        "largest_level_change": _largest(change),
+        "left_out": certificate.left_out,
+    }
+
+
+def _largest(values: FloatArray) -> float | None:
+    """The largest that is a number."""
+    values = values[~np.isnan(values)]
+    return float(values.max()) if values.size else None
+
+
+def _median(values: FloatArray) -> float | None:
+    values = values[~np.isnan(values)]
+    return float(np.median(values)) if values.size else None
 
 
 def _inflation(state: StaticState | None) -> dict[str, Any] | None:
@@ -83,11 +136,80 @@ def describe_run(facts: dict[str, Any]) -> str:
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
-        f"  residual  {number_text(facts['largest_residual'])} at most, ||F - D q|| / ||F||",
+        *proof_lines(facts),
+        *_certificate_lines(facts),
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),
     ]
     return "\n".join(lines)
+
+
+def proof_lines(facts: dict[str, Any]) -> list[str]:
+    """The worst of every proof of a run or sweep, with its line, and what breaches."""
+    n_breaches = len(facts["breaches"])
+    lines = [
+        f"  residual  {_worst_text(facts, 'residual', '{} at most, ||F - D q|| / ||F||')}",
+        f"  passivity {_worst_text(facts, 'passivity', 'Re Y / |Y| {} at least')}",
+    ]
+    if len(facts["loads"]) > 1:
+        lines += [
+            f"            {_worst_text(facts, 'power', 'of all loads together {} at least')}",
+            f"  symmetry  {_worst_text(facts, 'reciprocity', '|H_ij - H_ji| {} at most')}",
+        ]
+    if facts["solver"] in TRUNCATED:
+        lines.append(f"  judged    by none of them: `{facts['solver']}` is truncated")
+    if n_breaches:
+        lines.append(f"  BREACHED  on {n_breaches} line(s)")
+    return lines
+
+
+def _worst_text(facts: dict[str, Any], measure: str, words: str) -> str:
+    """A worst value in words, with its line, load and point of a sweep."""
+    worst = facts["proof"][measure]
+    if worst is None:
+        return words.format("-")
+    where = [worst.get("load"), worst.get("point"), f"{worst['frequency']:.6g} Hz"]
+    return f"{words.format(number_text(worst['value']))} ({', '.join(filter(None, where))})"
+
+
+def _certificate_lines(facts: dict[str, Any]) -> list[str]:
+    """What the second look found."""
+    found = facts["certificate"]
+    if found is None:
+        return []
+    again = (
+        f"  certified by `{found['solver']}` on {found['lines']} lines: responses differ by "
+        f"{number_text(found['difference'])} at most, whole cells by "
+        f"{number_text(found['cell_difference'])}"
+        + (f"; {found['unanswered']} without an answer" if found["unanswered"] else "")
+    )
+    if not found["refined_cells"]:
+        return [again, f"  refined   not: {found['left_out']}"]
+    pairs = [
+        f"{pair['load']} to {pair['probe']}: {_decibels(pair['median'])}, "
+        f"{_decibels(pair['largest'])} at most"
+        for pair in found["level_change"]
+        if pair["median"] is not None
+    ]
+    return [
+        again,
+        f"  refined   {found['refined_cells']} cells instead of {facts['cells']}, on "
+        f"{found['refined_lines']} lines: levels change by "
+        f"{_decibels(found['median_level_change'])} (median), "
+        f"{_decibels(found['largest_level_change'])} at most",
+        *(f"            {pair}" for pair in first_of(pairs)),
+        "            (by finer cells around the axle alone: a change, no bound of the error)",
+    ]
+
+
+def _decibels(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f} dB"
+
+
+def first_of(texts: Sequence[str]) -> list[str]:
+    """The first of many lines, and how many more there are."""
+    rest = len(texts) - MOST_NAMED
+    return [*texts[:MOST_NAMED], *([f"and {rest} more"] if rest > 0 else [])]
 
 
 def describe(results: Results) -> str:
@@ -101,12 +223,14 @@ def describe(results: Results) -> str:
         f"  tyre      {origin.n_cells} cells of {np.rad2deg(origin.sector_angle):.6g} degrees",
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz, {results.n_failed} failed",
-        f"  residual  {number_text(facts['largest_residual'])} at most",
+        *proof_lines(facts),
+        *_certificate_lines(facts),
         *([f"  pressure  {facts['inflation']['words']}"] if facts["inflation"] else []),
         *(f"  load      {label}" for label in facts["loads"]),
         *(f"  probe     {label}" for label in facts["probes"]),
         *([f"  hub       {', '.join(results.hub)}"] if results.hub else []),
         *(f"  failed    {reason}" for reason in facts["failed"]),
+        *(f"  breach    {reason}" for reason in first_of(facts["breaches"])),
     ]
     return "\n".join(lines)
 

@@ -8,12 +8,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from tyrefrf.case import Case, Solver, builtin_text, parse_case, read_text, with_lines
 from tyrefrf.errors import CaseError, CommandError, MeshError
+
+if TYPE_CHECKING:
+    from tyrefrf.results import Results
 
 
 def run_to_files(
@@ -23,6 +26,7 @@ def run_to_files(
     jobs: int | None,
     formats: Sequence[str],
     *,
+    certify: bool = False,
     force: bool,
     json: bool,
 ) -> int:
@@ -39,6 +43,9 @@ def run_to_files(
     with progress_of(len(case.frequency.lines()), case.name) as progress, in_file(case_file, text):
         results = run_case(case, jobs=jobs, case_text=text, progress=progress)
     write_results(target, results)
+    if certify:
+        results = _certified(case, results, jobs)
+        write_results(target, results)
     drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
     facts = summary(results, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_run(facts))
@@ -60,11 +67,26 @@ def new_target(output: Path | None, name: str, *, force: bool) -> Path:
     return target
 
 
+def _certified(case: Case, results: Results, jobs: int | None) -> Results:
+    """The results with their certificate; what it costs goes to stderr before."""
+    from tyrefrf.cli.progress import progress_of
+    from tyrefrf.study.certify import certified, plan_certificate
+    from tyrefrf.study.run import cores
+
+    plan = plan_certificate(case, results)
+    print(plan.words(jobs or cores()), file=sys.stderr)
+    with progress_of(plan.n_lines, f"{case.name}, certify") as progress:
+        return certified(plan, jobs or cores(), progress)
+
+
 def status_of(facts: dict[str, Any]) -> int:
-    """The exit status of a run or sweep; its failed lines go to stderr."""
-    for line in facts["failed"]:
+    """The exit status of a run or sweep; its failed lines and breaches go to stderr."""
+    from tyrefrf.cli.report import first_of
+
+    breaches = facts.get("breaches", [])  # a comparison has none
+    for line in (*facts["failed"], *first_of(breaches)):
         print(line, file=sys.stderr)
-    return 1 if facts["failed"] else 0
+    return 1 if facts["failed"] or breaches else 0
 
 
 def check_case(case_file: Path | None, solver: str | None, jobs: int | None, *, json: bool) -> None:

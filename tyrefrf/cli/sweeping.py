@@ -6,6 +6,7 @@ import re
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,8 @@ from tyrefrf.errors import CaseError, CommandError
 
 if TYPE_CHECKING:
     from tyrefrf.case import Case, Values
-    from tyrefrf.results import SweepResults
+    from tyrefrf.results import Results, SweepResults
+    from tyrefrf.results.proof import Measure
 
 Given = Sequence[tuple[str, str]]
 """Options with their texts in the order of the command line: ("param", "E_rubber"), ..."""
@@ -163,6 +165,8 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
     """The facts of a sweep that a script wants to know."""
     import numpy as np
 
+    from tyrefrf.results.proof import MEASURES, breaches
+
     origin = sweep.provenance
     named = list(zip(sweep.labels, sweep.points, strict=True))
     remarks = [
@@ -198,6 +202,8 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
         "blocked_force": list(sweep.hub),
         "levels": {load.name: sweep.level(load.name).ravel().tolist() for load in sweep.loads},
         "largest_residual": _largest(sweep.residual[sweep.solved]),
+        "proof": {name: _worst_of(named, measure) for name, measure in MEASURES.items()},
+        "breaches": [f"{label}: {reason}" for label, point in named for reason in breaches(point)],
         "seconds_per_line": float(np.median(sweep.solve_time)),
         "failed": [text for text, failed in remarks if failed],
         "remarks": [text for text, failed in remarks if not failed],
@@ -205,9 +211,22 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
     }
 
 
+def _worst_of(named: Sequence[tuple[str, Results]], measure: Measure) -> dict[str, Any] | None:
+    """The worst of all points, with the point."""
+    import numpy as np
+
+    found = [
+        asdict(worst) | {"point": label}
+        for label, point in named
+        if (worst := measure.worst_of(point)) is not None
+    ]
+    values = np.array([worst["value"] for worst in found])
+    return found[int(measure.worst(values))] if found else None
+
+
 def describe_sweep(facts: dict[str, Any]) -> str:
     """The summary at the end of a sweep, and what a sweep's file holds."""
-    from tyrefrf.cli.report import number_text
+    from tyrefrf.cli.report import proof_lines
 
     n_failed = len(facts["failed"])
     lines = [
@@ -220,7 +239,7 @@ def describe_sweep(facts: dict[str, Any]) -> str:
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
-        f"  residual  {number_text(facts['largest_residual'])} at most, ||F - D q|| / ||F||",
+        *proof_lines(facts),
         *_levels(facts),
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),

@@ -1,6 +1,10 @@
 """What a run computed, and the HDF5 file that keeps it (the only HDF5 code of the program)."""
 
-from tyrefrf.results.reader import load_any, load_results, load_sweep
+from tyrefrf.results.reader import (
+    load_any,
+    load_results,
+    load_sweep,
+)
 from tyrefrf.results.results import Provenance, Results, StaticState
 from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.writer import write_results, write_sweep

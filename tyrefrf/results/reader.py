@@ -22,7 +22,10 @@ READERS: dict[str, Callable[[Any], Content]] = {
 }
 """How each content of a file is read."""
 
-LOADERS = {"run": "load_results", "sweep": "load_sweep"}
+LOADERS = {
+    "run": "load_results",
+    "sweep": "load_sweep",
+}
 
 Wanted = TypeVar("Wanted", bound=Content)
 

@@ -12,6 +12,7 @@ from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from tyrefrf.errors import ResultsError
 from tyrefrf.mesh.place import HUB, Place
 from tyrefrf.mesh.section import SectionMesh
+from tyrefrf.results.certificate import Certificate
 
 Quantity = Literal["receptance", "mobility", "accelerance"]
 
@@ -81,6 +82,7 @@ class Results:
     solve_time: (f,) [s].
     remark: f texts, empty or what was special about the line, or why it failed.
     inflation: the static state that the tyre vibrates about; None without pressure.
+    certificate: what a second look found, where one was asked for.
     Raises ResultsError where the shapes do not agree.
     """
 
@@ -96,22 +98,17 @@ class Results:
     section: SectionMesh
     provenance: Provenance
     inflation: StaticState | None = None
+    certificate: Certificate | None = None
 
     def __post_init__(self) -> None:
         lines = self.frequency.shape
-        self._expect("receptance", (len(self.loads), len(self.probes), *lines))
-        self._expect("blocked_force", (len(self.loads), len(self.hub), *lines))
+        expect_shape(self, "receptance", (len(self.loads), len(self.probes), *lines))
+        expect_shape(self, "blocked_force", (len(self.loads), len(self.hub), *lines))
         for name in ("solved", "residual", "solve_time"):
-            self._expect(name, lines)
+            expect_shape(self, name, lines)
         if len(self.remark) != len(self.frequency):
             raise ResultsError(f"{len(self.remark)} remarks for {len(self.frequency)} lines")
         frozen(self.frequency)
-
-    def _expect(self, name: str, shape: tuple[int, ...]) -> None:
-        array = getattr(self, name)
-        if array.shape != shape:
-            raise ResultsError(f"{name} has shape {array.shape}; expected {shape}")
-        frozen(array)
 
     @property
     def hub(self) -> tuple[str, ...]:
@@ -163,6 +160,14 @@ class Results:
         """(f,) the response of a load's own point in its own direction."""
         index_of(load, [place.name for place in self.loads], "load")
         return self.response(load, f"{load}.drive", quantity)
+
+
+def expect_shape(results: object, name: str, shape: tuple[int, ...]) -> None:
+    """Make an array of some results read-only. Raises ResultsError where it has another shape."""
+    array = getattr(results, name)
+    if array.shape != shape:
+        raise ResultsError(f"{name} has shape {array.shape}; expected {shape}")
+    frozen(array)
 
 
 def index_of(name: str, names: list[str] | tuple[str, ...], what: str) -> int:

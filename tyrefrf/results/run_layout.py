@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tyrefrf.mesh.place import Place
+from tyrefrf.results.certificate_layout import CERTIFICATE, certificate_of
 from tyrefrf.results.field import Columns, Field, Kind
 from tyrefrf.results.file import columns_of, provenance_of
+from tyrefrf.results.proof import passivity, power, reciprocity
 from tyrefrf.results.results import Provenance, Results
 from tyrefrf.results.tyre_layout import inflation_of, section_of, tyre_fields
 
@@ -58,6 +60,9 @@ def _response(name: str, units: str, long_name: str, inner: str = "probe") -> Fi
     return Field(name, axes, "complex", units, long_name, lambda r: getattr(r, name))
 
 
+DERIVED = ("mobility", "passivity", "power", "reciprocity")
+"""In the file for its other readers; results derive them from the receptance again."""
+
 RESPONSES = (
     _lines("frequency", "float", "Hz", "frequency", lambda r: r.frequency),
     *_places("load", lambda r: r.loads),
@@ -66,6 +71,9 @@ RESPONSES = (
     _response("receptance", "m/N", "displacement per force"),
     _lines("solved", "bool", "1", "false where a line failed or was fitted", lambda r: r.solved),
     _lines("residual", "float", "1", "||F - D q|| / ||F|| of the ring", lambda r: r.residual),
+    Field("passivity", ("load", "frequency"), "float", "1", "Re Y / |Y| where it acts", passivity),
+    _lines("power", "float", "1", "smallest eigenvalue of (Y + Y^H)/2 over ||Y||", power),
+    _lines("reciprocity", "float", "1", "max |H_ij - H_ji| over ||H||", reciprocity),
     _lines("solve_time", "float", "s", "time spent on the line", lambda r: r.solve_time),
     _lines("remark", "text", "", "what was special, or why it failed", lambda r: r.remark),
 )
@@ -82,20 +90,41 @@ BLOCKED_FORCE = (
 """In the file only where the case asks for them."""
 
 
-def run_fields(*, with_hub: bool, with_inflation: bool) -> tuple[Field, ...]:
+def run_fields(
+    *, with_hub: bool, with_inflation: bool, with_certificate: bool = False
+) -> tuple[Field, ...]:
     """Every dataset of a file."""
     hub = BLOCKED_FORCE if with_hub else ()
-    return RESPONSES + hub + tyre_fields(with_inflation=with_inflation)
+    certificate = CERTIFICATE if with_certificate else ()
+    return RESPONSES + hub + tyre_fields(with_inflation=with_inflation) + certificate
 
 
 def fields_of(results: Results) -> tuple[Field, ...]:
     """Every dataset of a file of these results."""
-    return run_fields(with_hub=bool(results.hub), with_inflation=results.inflation is not None)
+    return run_fields(
+        with_hub=bool(results.hub),
+        with_inflation=results.inflation is not None,
+        with_certificate=results.certificate is not None,
+    )
+
+
+def fields_read(
+    *, with_hub: bool, with_inflation: bool, with_certificate: bool = False
+) -> tuple[Field, ...]:
+    """The datasets that results are read from: what is derived is derived again."""
+    table = run_fields(
+        with_hub=with_hub, with_inflation=with_inflation, with_certificate=with_certificate
+    )
+    return tuple(field for field in table if field.name not in DERIVED)
 
 
 def read_run(file: Any) -> Results:
     """The results that an open file holds."""
-    table = run_fields(with_hub="hub" in file, with_inflation="inflation" in file)
+    table = fields_read(
+        with_hub="hub" in file,
+        with_inflation="inflation" in file,
+        with_certificate="certificate" in file,
+    )
     return results_of(columns_of(file, table), provenance_of(file))
 
 
@@ -115,6 +144,7 @@ def results_of(columns: Columns, provenance: Provenance) -> Results:
         section=section_of(columns),
         provenance=provenance,
         inflation=inflation_of(columns),
+        certificate=certificate_of(columns),
     )
 
 

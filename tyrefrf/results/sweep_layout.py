@@ -23,7 +23,7 @@ from tyrefrf.case.axis import Axis
 from tyrefrf.results.field import Columns, Dataset, Field, Kind
 from tyrefrf.results.file import array_of, plain, provenance_of
 from tyrefrf.results.results import Provenance
-from tyrefrf.results.run_layout import fields_of, results_of, run_fields
+from tyrefrf.results.run_layout import fields_of, fields_read, results_of
 from tyrefrf.results.sweep import SweepResults
 
 POINT = "point"
@@ -80,7 +80,7 @@ def _axis_of(scale: Any) -> Axis:
 
 def _columns_at(file: Any, point: tuple[int, ...]) -> Columns:
     """Every array of a point."""
-    table = run_fields(with_hub="hub" in file, with_inflation=has_group(file, "inflation", point))
+    table = fields_read(with_hub="hub" in file, with_inflation=has_group(file, "inflation", point))
     return {field.name: _column(file, field, point) for field in table}
 
 

@@ -14,19 +14,23 @@ from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, case_hash, load_case, read_text, resolved_toml
 from tyrefrf.fem.inflation import Inflation
 from tyrefrf.results import Provenance, Results, StaticState
+from tyrefrf.study.certify import certified, plan_certificate
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Progress, Spectrum, solve_spectrum
 
 
-def run(case: Case | str | Path, *, jobs: int | None = None) -> Results:
+def run(case: Case | str | Path, *, jobs: int | None = None, certify: bool = False) -> Results:
     """Compute a case, or the case in a file, from Python: `tyrefrf.run("case.toml")`.
 
-    jobs: processes, all cores by default. Raises CaseError and MeshError as `run_case`.
+    jobs: processes, all cores by default. certify: whether another solver and a ring of finer
+    cells solve a sample of the lines too. Raises CaseError and MeshError as `run_case`.
     """
-    if isinstance(case, Case):
-        return run_case(case, jobs=jobs)
-    path = Path(case)
-    return run_case(load_case(path), jobs=jobs, case_text=read_text(path))
+    text = ""
+    if not isinstance(case, Case):
+        path = Path(case)
+        case, text = load_case(path), read_text(path)
+    results = run_case(case, jobs=jobs, case_text=text)
+    return certified(plan_certificate(case, results), jobs or cores()) if certify else results
 
 
 def run_case(

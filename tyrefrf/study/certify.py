@@ -1,0 +1,244 @@
+"""A second look at a run: another solver on a sample of its lines, and a ring of finer cells.
+
+The first says whether the equations were solved; the second, how far the answer still changes
+when the cells are halved around the axle. The section's own mesh is not refined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
+from tyrefrf.case import AtNode, Case, Load, Probe, Solver, build_case, resolved
+from tyrefrf.errors import CaseError, MeshError, SolveError
+from tyrefrf.mesh.place import Place
+from tyrefrf.results import Results
+from tyrefrf.results.certificate import Certificate
+from tyrefrf.results.proof import TRUNCATED
+from tyrefrf.solvers import Maker, RingProblem, prepare, responses
+from tyrefrf.study.estimate import line_seconds
+from tyrefrf.study.executor import map_unordered
+from tyrefrf.study.model import Model, build_model
+from tyrefrf.study.spectrum import Progress, solve_spectrum
+
+CHECKED = 8  # lines for the second solver, beside the one with the largest residual
+SAMPLED = 24  # lines for the refined ring
+STILL = 1e-9
+"""Response, relative to the load's largest on the line, up to which a probe does not move: zero
+by symmetry, but for rounding."""
+
+REFINER = Solver.model_validate({"name": "cyclic"})
+"""Who solves the refined ring."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """What a certificate takes.
+
+    second: the solver that solves `checked` lines of the results again. refined: the ring of
+    finer cells, on which the `sampled` lines are solved; None where it is left out, and why.
+    """
+
+    results: Results
+    model: Model
+    second: Solver
+    checked: IntArray
+    refined: Model | None
+    sampled: IntArray
+    left_out: str
+
+    @property
+    def n_lines(self) -> int:
+        """Lines to be solved."""
+        return len(self.checked) + len(self.sampled)
+
+    def words(self, jobs: int) -> str:
+        """The plan in a sentence, with what it costs."""
+        finer = f"none of a refined ring: {self.left_out}"
+        if self.refined is not None:
+            finer = f"{len(self.sampled)} lines of {self.refined.problem.n_cells} cells"
+        return (
+            f"certify: {len(self.checked)} lines again by `{self.second.name}`, {finer};"
+            f" about {self._seconds() / jobs:.0f} s"
+        )
+
+    def _seconds(self) -> float:
+        """Of one process [s]; the run's own solver goes along with the second, if not truncated."""
+        seconds = len(self.checked) * line_seconds(self.second.name, self.model.problem)
+        if self.model.case.solver.name not in TRUNCATED:
+            seconds += float(self.results.solve_time[self.checked].sum())
+        if self.refined is not None:
+            seconds += len(self.sampled) * line_seconds(REFINER.name, self.refined.problem)
+        return seconds
+
+
+def plan_certificate(case: Case, results: Results) -> Plan:
+    """What would certify these results of a case. Raises CaseError and MeshError as a run."""
+    model = build_model(case)
+    second = "recursive" if case.solver.name == "cyclic" else "cyclic"
+    solved = np.flatnonzero(results.solved)
+    checked = _spread(solved, CHECKED)
+    if len(solved):
+        checked = np.union1d(checked, solved[np.argmax(results.residual[solved])])
+    refined, left_out = None, ""
+    try:
+        refined = build_model(refined_case(case, model))
+    except (CaseError, MeshError) as error:
+        left_out = str(error)
+    return Plan(
+        results=results,
+        model=model,
+        second=Solver.model_validate({"name": second}),
+        checked=checked,
+        refined=refined,
+        sampled=_spread(solved, SAMPLED if refined else 0),
+        left_out=left_out,
+    )
+
+
+def certified(plan: Plan, jobs: int, progress: Progress = lambda n_lines: None) -> Results:
+    """The results with their certificate. Raises SolveError where nothing can be solved."""
+    results = plan.results
+    again = _checked_again(plan, jobs, progress)
+    certificate = Certificate(
+        solver=plan.second.name,
+        frequency=results.frequency[plan.checked],
+        residual=np.array([line.residual for line in again]),
+        difference=_by_load(results, [line.difference for line in again]),
+        cell_difference=_by_load(results, [line.cell_difference for line in again]),
+        n_cells=plan.refined.problem.n_cells if plan.refined else 0,
+        refined_frequency=results.frequency[plan.sampled],
+        level_change=_level_change(plan, jobs, progress),
+        left_out=plan.left_out,
+    )
+    return replace(results, certificate=certificate)
+
+
+def refined_case(case: Case, model: Model) -> Case:
+    """The case with cells of half the angle, its loads and probes where they were.
+
+    What snaps to a node keeps the plane that it has in the model: those planes are in the finer
+    ring too. Raises CaseError where such cells are not allowed.
+    """
+    data = {key: value for key, value in resolved(case).items() if key != "sweep"}
+    data["cell"] = {**data["cell"], "sector_angle": case.cell.sector_angle / 2.0}
+    data["loads"] = _kept(data["loads"], case.loads, model.loads)
+    data["probes"] = _kept(data["probes"], case.probes, model.probes[len(model.loads) :])
+    return build_case(data, case.name)
+
+
+def _kept(
+    entries: Sequence[dict[str, Any]], points: Sequence[Load | Probe], places: Sequence[Place]
+) -> list[dict[str, Any]]:
+    """Loads or probes as plain data, nodes at the angles of their places."""
+    degrees = {place.name: float(np.rad2deg(place.angle)) for place in places}
+    return [
+        {**entry, "angle": degrees[point.name]} if isinstance(point, AtNode) else entry
+        for entry, point in zip(entries, points, strict=True)
+    ]
+
+
+def _spread(lines: IntArray, n: int) -> IntArray:
+    """About n of the lines, evenly spread, the first and the last among them."""
+    if not len(lines) or not n:
+        return lines[:0]
+    return lines[np.unique(np.linspace(0, len(lines) - 1, n).round().astype(int))]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Line:
+    """A line to be solved again: what a worker is given.
+
+    own: makes the run's solver; None for a truncated one, whose modes would be sought again.
+    receptance: (p, l) that the run found.
+    """
+
+    index: int
+    problem: RingProblem
+    own: Maker | None
+    second: Maker
+    omega: float
+    receptance: ComplexArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Again:
+    """What the second solver found on a line; the arrays as in `Certificate`, (l,)."""
+
+    index: int
+    residual: float
+    difference: FloatArray
+    cell_difference: FloatArray
+
+
+def _checked_again(plan: Plan, jobs: int, progress: Progress) -> list[_Again]:
+    """The second solver's lines, in their order."""
+    case, problem, results = plan.model.case, plan.model.problem, plan.results
+    own = None if case.solver.name in TRUNCATED else prepare(problem, case.solver, jobs)
+    second = prepare(problem, plan.second, jobs)
+    lines = [
+        _Line(
+            index=int(index),
+            problem=problem,
+            own=own,
+            second=second,
+            omega=float(results.omega[index]),
+            receptance=results.receptance[:, :, index].T,
+        )
+        for index in plan.checked
+    ]
+    found = []
+    for line in map_unordered(_solve_again, lines, jobs):
+        found.append(line)
+        progress(1)
+    return sorted(found, key=lambda line: line.index)
+
+
+def _solve_again(line: _Line) -> _Again:
+    """One line by the second solver; NaN where it finds no answer."""
+    problem = line.problem
+    none = np.full(problem.n_loads, np.nan)
+    try:
+        field = line.second().field(line.omega)
+        own = line.own().field(line.omega) if line.own else None
+    except SolveError:
+        return _Again(line.index, np.nan, none, none)
+    H = responses(problem, field)
+    n_probes = len(line.receptance)  # the hub's components, of other units, come after them
+    return _Again(
+        index=line.index,
+        residual=field.residual,
+        difference=_relative(H[:n_probes], line.receptance, axis=0),
+        cell_difference=_relative(field.q, own.q, axis=1).max(axis=0) if own else none,
+    )
+
+
+def _relative(a: ComplexArray, b: ComplexArray, axis: int) -> FloatArray:
+    """||a - b|| / ||b|| along an axis."""
+    relative: FloatArray = np.linalg.norm(a - b, axis=axis) / np.linalg.norm(b, axis=axis)
+    return relative
+
+
+def _by_load(results: Results, lines: list[FloatArray]) -> FloatArray:
+    """(l, k) from k lines (l,)."""
+    return np.array(lines).reshape(len(lines), len(results.loads)).T.copy()
+
+
+def _level_change(plan: Plan, jobs: int, progress: Progress) -> FloatArray:
+    """(l, p, m) level of the refined ring less that of the results [dB]."""
+    frequency = plan.results.frequency[plan.sampled]
+    H = plan.results.receptance[:, :, plan.sampled]
+    if plan.refined is None or not len(frequency):
+        return np.empty(H.shape)
+    spectrum = solve_spectrum(plan.refined.problem, REFINER, frequency, jobs, progress)
+    finer = np.abs(spectrum.receptance.transpose(1, 0, 2)[:, : H.shape[1]])
+    return 20.0 * np.log10(_moving(finer) / _moving(np.abs(H)))
+
+
+def _moving(H: FloatArray) -> FloatArray:
+    """Magnitudes (l, p, m), NaN where the probe does not move."""
+    return np.where(H / H.max(axis=1, keepdims=True) > STILL, H, np.nan)
