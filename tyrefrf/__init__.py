@@ -21,22 +21,28 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tyrefrf.case import load_case
     from tyrefrf.results import (
+        Modes,
         Results,
         SweepResults,
+        load_modes,
         load_results,
         load_sweep,
         write_results,
         write_sweep,
     )
+    from tyrefrf.study.modes import modes
     from tyrefrf.study.run import run
     from tyrefrf.study.sweep import sweep
 
 __all__ = [
+    "Modes",
     "Results",
     "SweepResults",
     "load_case",
+    "load_modes",
     "load_results",
     "load_sweep",
+    "modes",
     "run",
     "sweep",
     "write_results",
@@ -44,11 +50,14 @@ __all__ = [
 ]
 
 _HOME = {
+    "Modes": "tyrefrf.results",
     "Results": "tyrefrf.results",
     "SweepResults": "tyrefrf.results",
     "load_case": "tyrefrf.case",
+    "load_modes": "tyrefrf.results",
     "load_results": "tyrefrf.results",
     "load_sweep": "tyrefrf.results",
+    "modes": "tyrefrf.study.modes",
     "run": "tyrefrf.study.run",
     "sweep": "tyrefrf.study.sweep",
     "write_results": "tyrefrf.results",

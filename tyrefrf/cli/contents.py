@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tyrefrf.cli.modes import describe_modes_file, modes_summary
 from tyrefrf.cli.report import describe, summary
 from tyrefrf.cli.sweeping import describe_sweep, sweep_summary
-from tyrefrf.results import Results, SweepResults
+from tyrefrf.results import Modes, Results, SweepResults
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,5 +24,6 @@ class Told:
 TOLD: dict[type, Told] = {
     Results: Told(summary, describe),
     SweepResults: Told(sweep_summary, lambda sweep: describe_sweep(sweep_summary(sweep, []))),
+    Modes: Told(modes_summary, describe_modes_file),
 }
 """How each kind of results is told."""

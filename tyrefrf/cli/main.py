@@ -185,6 +185,75 @@ def check(
 
 
 @app.command()
+def modes(
+    case: CaseFile = None,
+    count: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(
+            min=1,
+            metavar="N",
+            help="The lowest N modes, both members of every pair counted; 100 by default.",
+        ),
+    ] = None,
+    below: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(min=1e-3, metavar="HZ", help="All modes below HZ instead."),
+    ] = None,
+    at: Annotated[
+        Optional[float],  # noqa: UP045
+        typer.Option(
+            min=0.0,
+            metavar="HZ",
+            help="Take moduli that depend on frequency at HZ; without it, every mode at its own "
+            "frequency.",
+        ),
+    ] = None,
+    at_rest: Annotated[
+        bool, typer.Option("--at-rest", help="Leave the case's inflation away.")
+    ] = False,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; results/<case name>_modes by default."),
+    ] = None,
+    formats: Formats = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compute the natural modes of the tyre that CASE describes, by circumferential order.
+
+    Modes are those without loss; their loss factors follow from the strain energy in every
+    material. None is missing: their number is held against a count by inertia at every order.
+    A ring of N cells knows the number n of nodal diameters only modulo N: order h stands for
+    n = h, N - h, N + h, and so on. Writes DIR/<case name>_modes.h5 and DIR/plots/, and prints the
+    lowest modes. Exits 0, 1 when the tyre has buckled or the count is not met, 2 when the case is
+    wrong.
+
+    Examples
+    --------
+      tyrefrf modes case.toml
+
+      tyrefrf modes case.toml --below 500 --at-rest
+
+      tyrefrf modes case.toml --count 400 --at 200 --json > modes.json
+    """
+    from tyrefrf.cli.modes import modes_to_files
+
+    raise typer.Exit(
+        modes_to_files(
+            case,
+            output,
+            count,
+            below,
+            at,
+            _names(formats),
+            at_rest=at_rest,
+            force=force,
+            json=json,
+        )
+    )
+
+
+@app.command()
 def plot(
     results: ResultsFile,
     output: Annotated[

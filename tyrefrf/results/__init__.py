@@ -1,7 +1,10 @@
 """What a run computed, and the HDF5 file that keeps it (the only HDF5 code of the program)."""
 
+from tyrefrf.results.modes import Modes
+from tyrefrf.results.modes_layout import write_modes
 from tyrefrf.results.reader import (
     load_any,
+    load_modes,
     load_results,
     load_sweep,
 )
@@ -10,13 +13,16 @@ from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.writer import write_results, write_sweep
 
 __all__ = [
+    "Modes",
     "Provenance",
     "Results",
     "StaticState",
     "SweepResults",
     "load_any",
+    "load_modes",
     "load_results",
     "load_sweep",
+    "write_modes",
     "write_results",
     "write_sweep",
 ]

@@ -8,23 +8,27 @@ from typing import Any, TypeVar
 
 from tyrefrf.errors import ResultsError
 from tyrefrf.results.file import open_file
+from tyrefrf.results.modes import Modes
+from tyrefrf.results.modes_layout import read_modes
 from tyrefrf.results.results import Results
 from tyrefrf.results.run_layout import read_run
 from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.sweep_layout import read_sweep
 
-Content = Results | SweepResults
+Content = Results | SweepResults | Modes
 """Whatever a results file may hold."""
 
 READERS: dict[str, Callable[[Any], Content]] = {
     "run": read_run,
     "sweep": read_sweep,
+    "modes": read_modes,
 }
 """How each content of a file is read."""
 
 LOADERS = {
     "run": "load_results",
     "sweep": "load_sweep",
+    "modes": "load_modes",
 }
 
 Wanted = TypeVar("Wanted", bound=Content)
@@ -42,6 +46,11 @@ def load_results(path: str | Path) -> Results:
 def load_sweep(path: str | Path) -> SweepResults:
     """Read the sweep that `write_sweep` wrote. Raises ResultsError as `load_results`."""
     return _load(path, SweepResults)
+
+
+def load_modes(path: str | Path) -> Modes:
+    """Read the modes that `write_modes` wrote. Raises ResultsError as `load_results`."""
+    return _load(path, Modes)
 
 
 def load_any(path: str | Path) -> Content:
