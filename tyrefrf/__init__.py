@@ -21,24 +21,30 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tyrefrf.case import load_case
     from tyrefrf.results import (
+        Dispersion,
         Modes,
         Results,
         SweepResults,
+        load_dispersion,
         load_modes,
         load_results,
         load_sweep,
         write_results,
         write_sweep,
     )
+    from tyrefrf.study.dispersion import dispersion
     from tyrefrf.study.modes import modes
     from tyrefrf.study.run import run
     from tyrefrf.study.sweep import sweep
 
 __all__ = [
+    "Dispersion",
     "Modes",
     "Results",
     "SweepResults",
+    "dispersion",
     "load_case",
+    "load_dispersion",
     "load_modes",
     "load_results",
     "load_sweep",
@@ -50,10 +56,13 @@ __all__ = [
 ]
 
 _HOME = {
+    "Dispersion": "tyrefrf.results",
     "Modes": "tyrefrf.results",
     "Results": "tyrefrf.results",
     "SweepResults": "tyrefrf.results",
+    "dispersion": "tyrefrf.study.dispersion",
     "load_case": "tyrefrf.case",
+    "load_dispersion": "tyrefrf.results",
     "load_modes": "tyrefrf.results",
     "load_results": "tyrefrf.results",
     "load_sweep": "tyrefrf.results",

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tyrefrf.cli.dispersion import describe_dispersion_file, dispersion_summary
 from tyrefrf.cli.modes import describe_modes_file, modes_summary
 from tyrefrf.cli.report import describe, summary
 from tyrefrf.cli.sweeping import describe_sweep, sweep_summary
-from tyrefrf.results import Modes, Results, SweepResults
+from tyrefrf.results import Dispersion, Modes, Results, SweepResults
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,5 +26,6 @@ TOLD: dict[type, Told] = {
     Results: Told(summary, describe),
     SweepResults: Told(sweep_summary, lambda sweep: describe_sweep(sweep_summary(sweep, []))),
     Modes: Told(modes_summary, describe_modes_file),
+    Dispersion: Told(dispersion_summary, describe_dispersion_file),
 }
 """How each kind of results is told."""

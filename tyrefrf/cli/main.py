@@ -172,6 +172,72 @@ def sweep(
 
 
 @app.command()
+def dispersion(
+    case: CaseFile = None,
+    lines: Annotated[
+        int,
+        typer.Option(
+            min=1, metavar="N", help="Frequencies, evenly spread over the case's range, without 0."
+        ),
+    ] = 100,
+    decay: Annotated[
+        float,
+        typer.Option(
+            min=0.01,
+            max=200.0,
+            metavar="DB",
+            help="Waves that lose up to DB decibels in a radian, 57 degrees, of the tyre; 20: to "
+            "a tenth.",
+        ),
+    ] = 20.0,
+    at_rest: Annotated[
+        bool, typer.Option("--at-rest", help="Leave the case's inflation away.")
+    ] = False,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; results/<case name>_dispersion by default."),
+    ] = None,
+    jobs: Jobs = None,
+    formats: Formats = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compute the free waves of the cell of CASE: circumferential order and decay over frequency.
+
+    A free wave passes from cell to cell without a load, q ~ exp(-(decay + i order) theta), running
+    or dying away in the sense of +theta; its partner runs the other way. Order is a real number:
+    where it is whole and the decay small, the ring resonates. None is missing: the waves within
+    the bound are counted by the argument principle. A ring of N cells knows the order only modulo
+    N, from -N/2 to N/2; it is negative where phase and energy run against each other. Writes
+    DIR/<case name>_dispersion.h5 and DIR/plots/, and prints a summary. Exits 0 when the waves of
+    every line are proved to be all, 1 when not, 2 when the case is wrong.
+
+    Examples
+    --------
+      tyrefrf dispersion case.toml
+
+      tyrefrf dispersion case.toml --lines 300 --decay 10 --at-rest
+
+      tyrefrf dispersion case.toml --jobs 1 --json > waves.json
+    """
+    from tyrefrf.cli.dispersion import dispersion_to_files
+
+    raise typer.Exit(
+        dispersion_to_files(
+            case,
+            output,
+            lines,
+            decay,
+            jobs,
+            _names(formats),
+            at_rest=at_rest,
+            force=force,
+            json=json,
+        )
+    )
+
+
+@app.command()
 def check(
     case: CaseFile = None, solver: SolverOption = None, jobs: Jobs = None, json: Json = False
 ) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from tyrefrf.errors import ResultsError
+from tyrefrf.plots.dispersion import dispersion_figures
 from tyrefrf.plots.driving import driving_figures
 from tyrefrf.plots.hub import hub_figures
 from tyrefrf.plots.inflation import inflation_figures
@@ -18,6 +19,7 @@ from tyrefrf.plots.modes import mode_figures
 from tyrefrf.plots.section import section_figure
 from tyrefrf.plots.style import house_style
 from tyrefrf.plots.sweep import sweep_figures
+from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.reader import Content
 from tyrefrf.results.results import Results
@@ -86,6 +88,7 @@ def _figures_of_sweep(sweep: SweepResults) -> Iterator[tuple[str, Figure]]:
 FIGURES: dict[type, Callable[[Any], Iterator[tuple[str, Figure]]]] = {
     Results: _figures_of_run,
     SweepResults: _figures_of_sweep,
+    Dispersion: dispersion_figures,
     Modes: mode_figures,
 }
 """The figures of each kind of results, with the stems of their files' names."""

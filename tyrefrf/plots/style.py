@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from textwrap import fill
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib import style
@@ -16,8 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tyrefrf.arrays import BoolArray, FloatArray
-from tyrefrf.results.results import Results
-from tyrefrf.results.sweep import SweepResults
+from tyrefrf.results.results import Provenance, Results
 
 RC: dict[str, Any] = {
     "font.size": 10.0,
@@ -83,7 +82,16 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def set_title(axes: Axes, results: Results | SweepResults, what: str) -> None:
+class OfACase(Protocol):
+    """Results of any kind: they know the case that they come from."""
+
+    @property
+    def provenance(self) -> Provenance:
+        """Where they come from."""
+        ...
+
+
+def set_title(axes: Axes, results: OfACase, what: str) -> None:
     """The case's title, and below it what the figure shows."""
     lines = (results.provenance.title, *what.splitlines())
     axes.set_title("\n".join(fill(plain(line), TITLE_WIDTH) for line in lines))

@@ -1,9 +1,12 @@
 """What a run computed, and the HDF5 file that keeps it (the only HDF5 code of the program)."""
 
+from tyrefrf.results.dispersion import Dispersion
+from tyrefrf.results.dispersion_layout import write_dispersion
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.modes_layout import write_modes
 from tyrefrf.results.reader import (
     load_any,
+    load_dispersion,
     load_modes,
     load_results,
     load_sweep,
@@ -13,15 +16,18 @@ from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.writer import write_results, write_sweep
 
 __all__ = [
+    "Dispersion",
     "Modes",
     "Provenance",
     "Results",
     "StaticState",
     "SweepResults",
     "load_any",
+    "load_dispersion",
     "load_modes",
     "load_results",
     "load_sweep",
+    "write_dispersion",
     "write_modes",
     "write_results",
     "write_sweep",

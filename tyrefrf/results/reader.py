@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tyrefrf.errors import ResultsError
+from tyrefrf.results.dispersion import Dispersion
+from tyrefrf.results.dispersion_layout import read_dispersion
 from tyrefrf.results.file import open_file
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.modes_layout import read_modes
@@ -15,13 +17,14 @@ from tyrefrf.results.run_layout import read_run
 from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.sweep_layout import read_sweep
 
-Content = Results | SweepResults | Modes
+Content = Results | SweepResults | Dispersion | Modes
 """Whatever a results file may hold."""
 
 READERS: dict[str, Callable[[Any], Content]] = {
     "run": read_run,
     "sweep": read_sweep,
     "modes": read_modes,
+    "dispersion": read_dispersion,
 }
 """How each content of a file is read."""
 
@@ -29,6 +32,7 @@ LOADERS = {
     "run": "load_results",
     "sweep": "load_sweep",
     "modes": "load_modes",
+    "dispersion": "load_dispersion",
 }
 
 Wanted = TypeVar("Wanted", bound=Content)
@@ -51,6 +55,11 @@ def load_sweep(path: str | Path) -> SweepResults:
 def load_modes(path: str | Path) -> Modes:
     """Read the modes that `write_modes` wrote. Raises ResultsError as `load_results`."""
     return _load(path, Modes)
+
+
+def load_dispersion(path: str | Path) -> Dispersion:
+    """Read what `write_dispersion` wrote. Raises ResultsError as `load_results`."""
+    return _load(path, Dispersion)
 
 
 def load_any(path: str | Path) -> Content:
