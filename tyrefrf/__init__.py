@@ -21,10 +21,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tyrefrf.case import load_case
     from tyrefrf.results import (
+        Comparison,
         Dispersion,
         Modes,
         Results,
         SweepResults,
+        load_comparison,
         load_dispersion,
         load_modes,
         load_results,
@@ -32,18 +34,22 @@ if TYPE_CHECKING:
         write_results,
         write_sweep,
     )
+    from tyrefrf.study.compare import compare
     from tyrefrf.study.dispersion import dispersion
     from tyrefrf.study.modes import modes
     from tyrefrf.study.run import run
     from tyrefrf.study.sweep import sweep
 
 __all__ = [
+    "Comparison",
     "Dispersion",
     "Modes",
     "Results",
     "SweepResults",
+    "compare",
     "dispersion",
     "load_case",
+    "load_comparison",
     "load_dispersion",
     "load_modes",
     "load_results",
@@ -56,12 +62,15 @@ __all__ = [
 ]
 
 _HOME = {
+    "Comparison": "tyrefrf.results",
     "Dispersion": "tyrefrf.results",
     "Modes": "tyrefrf.results",
     "Results": "tyrefrf.results",
     "SweepResults": "tyrefrf.results",
+    "compare": "tyrefrf.study.compare",
     "dispersion": "tyrefrf.study.dispersion",
     "load_case": "tyrefrf.case",
+    "load_comparison": "tyrefrf.results",
     "load_dispersion": "tyrefrf.results",
     "load_modes": "tyrefrf.results",
     "load_results": "tyrefrf.results",

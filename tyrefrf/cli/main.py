@@ -172,6 +172,52 @@ def sweep(
 
 
 @app.command()
+def compare(
+    case: CaseFile = None,
+    solvers: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B,...",
+            help="Solvers by name, each once: recursive, cyclic, direct, modal.",
+        ),
+    ] = "recursive,cyclic,direct",
+    lines: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(min=1, metavar="N", help="So many of CASE's lines, evenly picked; all."),
+    ] = None,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; results/<case name> by default."),
+    ] = None,
+    formats: Formats = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Solve CASE's lines by several solvers; say what each takes and how far they differ.
+
+    A table like the paper's table 2: CPU time per line, peak memory, size on disk, difference to
+    direct (to the first solver named, without direct). The solvers work one after another, each
+    in a process of its own, one thread; one that runs out of memory leaves the others their
+    rows. The solver that CASE itself names keeps its options. Writes
+    DIR/<case name>_comparison.h5, .md, and overlays of the mobilities in DIR/plots/. Exits 0
+    when every solver has answered every line, else 1; 2 when the case or a name is wrong.
+
+    Examples
+    --------
+      tyrefrf compare case.toml
+
+      tyrefrf compare case.toml --solvers recursive,direct --lines 20
+
+      tyrefrf compare case.toml --solvers recursive,cyclic,direct,modal --json > table.json
+    """
+    from tyrefrf.cli.comparing import Asked, compare_to_files
+
+    names = tuple(name.strip() for name in solvers.split(",") if name.strip())
+    asked = Asked(names, lines, output, _names(formats), force=force, json=json)
+    raise typer.Exit(compare_to_files(case, asked))
+
+
+@app.command()
 def dispersion(
     case: CaseFile = None,
     lines: Annotated[

@@ -10,6 +10,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from tyrefrf.errors import ResultsError
+from tyrefrf.plots.comparison import comparison_figures
 from tyrefrf.plots.dispersion import dispersion_figures
 from tyrefrf.plots.driving import driving_figures
 from tyrefrf.plots.hub import hub_figures
@@ -19,6 +20,7 @@ from tyrefrf.plots.modes import mode_figures
 from tyrefrf.plots.section import section_figure
 from tyrefrf.plots.style import house_style
 from tyrefrf.plots.sweep import sweep_figures
+from tyrefrf.results.comparison import Comparison
 from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.reader import Content
@@ -85,11 +87,19 @@ def _figures_of_sweep(sweep: SweepResults) -> Iterator[tuple[str, Figure]]:
         yield _unique("section", taken), section_figure(sweep.points[0])
 
 
+def _figures_of_comparison(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
+    """Every figure of a comparison."""
+    taken: set[str] = set()
+    for stem, figure in comparison_figures(comparison):
+        yield _unique(_file_name(stem), taken), figure
+
+
 FIGURES: dict[type, Callable[[Any], Iterator[tuple[str, Figure]]]] = {
     Results: _figures_of_run,
     SweepResults: _figures_of_sweep,
     Dispersion: dispersion_figures,
     Modes: mode_figures,
+    Comparison: _figures_of_comparison,
 }
 """The figures of each kind of results, with the stems of their files' names."""
 

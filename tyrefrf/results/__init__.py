@@ -1,11 +1,14 @@
 """What a run computed, and the HDF5 file that keeps it (the only HDF5 code of the program)."""
 
+from tyrefrf.results.comparison import Comparison
+from tyrefrf.results.comparison_layout import write_comparison
 from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.dispersion_layout import write_dispersion
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.modes_layout import write_modes
 from tyrefrf.results.reader import (
     load_any,
+    load_comparison,
     load_dispersion,
     load_modes,
     load_results,
@@ -16,6 +19,7 @@ from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.writer import write_results, write_sweep
 
 __all__ = [
+    "Comparison",
     "Dispersion",
     "Modes",
     "Provenance",
@@ -23,10 +27,12 @@ __all__ = [
     "StaticState",
     "SweepResults",
     "load_any",
+    "load_comparison",
     "load_dispersion",
     "load_modes",
     "load_results",
     "load_sweep",
+    "write_comparison",
     "write_dispersion",
     "write_modes",
     "write_results",

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tyrefrf.errors import ResultsError
+from tyrefrf.results.comparison import Comparison
+from tyrefrf.results.comparison_layout import read_comparison
 from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.dispersion_layout import read_dispersion
 from tyrefrf.results.file import open_file
@@ -17,12 +19,13 @@ from tyrefrf.results.run_layout import read_run
 from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.sweep_layout import read_sweep
 
-Content = Results | SweepResults | Dispersion | Modes
+Content = Results | SweepResults | Comparison | Dispersion | Modes
 """Whatever a results file may hold."""
 
 READERS: dict[str, Callable[[Any], Content]] = {
     "run": read_run,
     "sweep": read_sweep,
+    "comparison": read_comparison,
     "modes": read_modes,
     "dispersion": read_dispersion,
 }
@@ -31,6 +34,7 @@ READERS: dict[str, Callable[[Any], Content]] = {
 LOADERS = {
     "run": "load_results",
     "sweep": "load_sweep",
+    "comparison": "load_comparison",
     "modes": "load_modes",
     "dispersion": "load_dispersion",
 }
@@ -50,6 +54,11 @@ def load_results(path: str | Path) -> Results:
 def load_sweep(path: str | Path) -> SweepResults:
     """Read the sweep that `write_sweep` wrote. Raises ResultsError as `load_results`."""
     return _load(path, SweepResults)
+
+
+def load_comparison(path: str | Path) -> Comparison:
+    """Read what `write_comparison` wrote. Raises ResultsError as `load_results`."""
+    return _load(path, Comparison)
 
 
 def load_modes(path: str | Path) -> Modes:
