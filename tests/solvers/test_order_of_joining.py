@@ -9,57 +9,84 @@ import pytest
 from rings import THETA, R, Y, by_recursion, lopsided, omegas, section_error, tyre
 from scipy.sparse import csc_array
 
-from tyrefrf.solvers.chain import Chains, join
 from tyrefrf.solvers.condense import Condenser
+from tyrefrf.solvers.recursive import share_of
+from tyrefrf.solvers.ring import chain_of, closed, ring_faces
+from tyrefrf.solvers.symmetry import shares
 
 ROUND_OFF = 1e-9
 LINES = omegas(30.0, 700.0, 2000.0)
 
 
-def binary(cell):
-    """32 + 8 + 4 + 1."""
-    return Chains(cell).of(45)
+def cheapest(cell):
+    """As the ring is closed, whatever that is."""
+    return chain_of(cell, 45)
 
 
 def ascending(cell):
     """1 + 4 + 8 + 32."""
-    chains = Chains(cell)
-    return reduce(join, [chains.of(n) for n in (1, 4, 8, 32)])
+    return reduce(joined, [chain_of(cell, n) for n in (1, 4, 8, 32)])
 
 
 def thirds(cell):
     """3 x 15, each 3 x 5."""
-    five = Chains(cell).of(5)
-    fifteen = join(join(five, five), five)
-    return join(fifteen, join(fifteen, fifteen))
+    five = chain_of(cell, 5)
+    fifteen = five.joined(five).joined(five)
+    return fifteen.joined(fifteen.joined(fifteen))
 
 
 def one_and_the_rest(cell):
     """1 + 44."""
-    return join(cell, Chains(cell).of(44))
+    return cell.joined(chain_of(cell, 44))
 
 
 def one_by_one(cell):
     """((1 + 1) + 1) + ..."""
-    return reduce(join, [cell] * 45)
+    return reduce(joined, [cell] * 45)
+
+
+def joined(a, b):
+    return a.joined(b)
+
+
+def general(cell, omega):
+    """A chain of one cell, nothing assumed of it."""
+    chain, _ = Condenser(cell)(cell.dynamic_stiffness(omega))
+    return chain
+
+
+def mirrored(cell, omega):
+    """The same as its own mirror image, for the motions that mirror in y."""
+    return share_of(general(cell, omega), shares(cell)[0])
 
 
 @pytest.mark.parametrize("omega", LINES)
 @pytest.mark.parametrize("order", [ascending, thirds, one_and_the_rest, one_by_one])
-def test_45_cells_in_any_order(order, omega):
-    paper = tyre()
-    cell, _ = Condenser(paper.cell)(paper.cell.dynamic_stiffness(omega))
+@pytest.mark.parametrize("kind", [general, mirrored])
+def test_45_cells_in_any_order(kind, order, omega):
+    cell = kind(tyre().cell, omega)
     f = np.zeros((len(cell.LL), 2))
     f[[20, 55], [0, 1]] = 1.0
 
     faces = {}
-    for way in (binary, order):
+    for way in (cheapest, order):
         chain = way(cell)
         q = np.linalg.solve(chain.LL + chain.LR + chain.LR.T + chain.RR, f)
         faces[way] = np.concatenate([q[None], chain.inner_faces(q, q)])
 
     assert chain.n_cells == 45
-    assert section_error(faces[order], faces[binary], f.shape[0]) < ROUND_OFF
+    assert section_error(faces[order], faces[cheapest], f.shape[0]) < ROUND_OFF
+
+
+@pytest.mark.parametrize("k", [1, 3, 5, 9, 15])
+@pytest.mark.parametrize("kind", [general, mirrored])
+def test_a_ring_closed_from_k_chains(kind, k):
+    """[22] is k = 1; the orders of k faces give the same."""
+    cell = kind(tyre().cell, LINES[1])
+    f = np.eye(len(cell.LL))[:, [20, 55]] + 0j
+    expected = ring_faces(cell, 45, f, most_chains=1)
+    chain = chain_of(cell, 45 // k)
+    assert section_error(closed(chain, k, f), expected[:: 45 // k], len(f)) < ROUND_OFF
 
 
 @pytest.mark.parametrize("turn", [1, 13, 44])

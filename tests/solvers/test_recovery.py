@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from rings import lopsided, omegas, open_chain, tyre
 
-from tyrefrf.solvers.chain import Chains
 from tyrefrf.solvers.condense import Condenser
+from tyrefrf.solvers.ring import chain_of
 
 ROUND_OFF = 1e-9
 OMEGA = omegas(640.0)[0]
@@ -45,7 +45,7 @@ def test_inner_faces_and_end_forces_of_a_chain(ring, ends, n_cells):
     cell, interior = Condenser(ring.cell)(ring.cell.dynamic_stiffness(OMEGA))
     between, forces = dense_chain(ring, n_cells, q_L, q_R)
 
-    chain = Chains(cell).of(n_cells)
+    chain = chain_of(cell, n_cells)
     faces = chain.inner_faces(q_L, q_R)
     F = np.concatenate([chain.LL @ q_L + chain.LR @ q_R, chain.LR.T @ q_L + chain.RR @ q_R])
     left, right = np.concatenate([q_L[None], faces]), np.concatenate([faces, q_R[None]])

@@ -33,6 +33,7 @@ class CellMatrices:
     M: mass [kg]; C: viscous damping [N s/m]. K_G, K_P: geometric and pressure stiffness [N/m] of
     an inflated cell, both without loss; zero at rest.
     n_face: dofs of one section. fixed: (n,) dofs on the rim.
+    points: (n / 3, 3) r [m], y [m] and theta [rad] of the cell's nodes.
     """
 
     indptr: IntArray
@@ -45,6 +46,7 @@ class CellMatrices:
     K_P: FloatArray
     n_face: int
     fixed: BoolArray
+    points: FloatArray
 
     @property
     def n_dofs(self) -> int:
@@ -130,6 +132,7 @@ class CellAssembly:
             K_P=np.zeros(pattern.nnz),
             n_face=3 * mesh.n_face,
             fixed=fixed.ravel(),
+            points=mesh.points,
         )
 
     def _stiffness(self, index: int, stuff: Constitutive) -> FloatArray:

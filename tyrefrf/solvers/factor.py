@@ -13,9 +13,9 @@ from tyrefrf.errors import SingularError
 RCOND_MIN = 1e-13
 """Reciprocal condition below which a matrix counts as singular: a solution would keep less than
 three digits. Damped tyres stay far above (measured from 0 to 3000 Hz, tests/solvers/
-test_singular.py): 3e-5 where homogeneous with eta = 0.1, 3e-8 with a belt of loss-free steel,
-3e-9 with that and eta = 0.03. Undamped ones pass 2e-7 and 6e-10 between resonances and lose digits
-long before they come here: those lines are known by their residual."""
+test_singular.py): 4e-6 where homogeneous with eta = 0.1, 2e-9 with a belt of loss-free steel,
+5e-10 with that and eta = 0.03. Undamped ones lose digits long before they come here: those lines
+are known by their residual."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,20 +25,20 @@ class Factor:
     lu: ComplexArray
     pivots: IntArray
 
-    def solve(self, B: ComplexArray) -> ComplexArray:
-        """A^-1 B for right-hand sides (n, m)."""
-        X, _ = lapack.zgetrs(self.lu, self.pivots, B)
+    def solve(self, B: ComplexArray, *, transposed: bool = False) -> ComplexArray:
+        """A^-1 B, or A^-T B, for right-hand sides (n, m)."""
+        X, _ = lapack.zgetrs(self.lu, self.pivots, B, trans=0 if transposed else 1)
         return X
 
 
 def factorise(A: ComplexArray) -> Factor:
-    """Factorise A (n, n), complex symmetric, with partial pivoting.
+    """Factorise A (n, n) with partial pivoting; A^T in fact, which needs no copy to LAPACK's order.
 
     Raises SingularError where the estimated reciprocal condition (LAPACK's zgecon, 1-norm) is
     below RCOND_MIN.
     """
-    norm = np.abs(A).sum(axis=0).max() if A.size else 0.0
-    lu, pivots, info = lapack.zgetrf(A.T)  # A = A^T: the transpose needs no copy into Fortran order
+    norm = np.abs(A).sum(axis=1).max() if A.size else 0.0
+    lu, pivots, info = lapack.zgetrf(A.T)
     rcond = lapack.zgecon(lu, norm)[0] if info == 0 else 0.0
     if not rcond >= RCOND_MIN:
         raise SingularError(

@@ -3,36 +3,48 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray
 from tyrefrf.errors import SingularError
-from tyrefrf.solvers.chain import Chain, Chains, join
+from tyrefrf.solvers.chain import Chain
 from tyrefrf.solvers.condense import Condenser, Interior
 from tyrefrf.solvers.cyclic import Cyclic
-from tyrefrf.solvers.factor import factorise
-from tyrefrf.solvers.problem import Field, RingProblem
+from tyrefrf.solvers.mirror import MirrorChain
+from tyrefrf.solvers.problem import Field, RingProblem, watched
+from tyrefrf.solvers.ring import MOST_CHAINS, ring_faces
+from tyrefrf.solvers.symmetry import Share, shares, whole
 
 RESIDUAL_TRUSTED = 1e-8
 """Residual up to which the recursion's own answer stands. Near an undamped resonance of a chain
 it loses digits long before a condition estimate calls the face singular."""
 
+UNTOUCHED = 1e-14
+"""Part of a force, relative to all of it, below which a share of the motions is not excited."""
+
 
 class Recursive:
     """[3]-[5], [16]-[18] and [19]-[22] of the paper, for loads in any sections and cells.
 
-    Sections that carry a load are kept while the chains between them are built; all others come
-    back from the joints' own factors. Where a chain with fixed ends resonates without damping,
-    its face cannot be eliminated, and near that only with loss of digits: such a line is solved
-    by `Cyclic`, and says so.
+    The ring looks the same from every section: each load's answer is that of the load moved to
+    the first section, turned back. All other sections come back from the joints' own factors.
+    Where a chain with fixed ends resonates without damping, its face cannot be eliminated, and
+    near that only with loss of digits: such a line is solved by `Cyclic`, and says so.
+
+    symmetries: whether those of the cell are looked for. most_chains: that the ring may be closed
+    from. Without symmetries, and with one chain, it is done as the paper writes it.
     """
 
     exact = True
 
-    def __init__(self, problem: RingProblem) -> None:
-        self.problem = problem
+    def __init__(
+        self, problem: RingProblem, *, symmetries: bool = True, most_chains: int = MOST_CHAINS
+    ) -> None:
+        self.problem, self.symmetries, self.most_chains = problem, symmetries, most_chains
         self._condense = Condenser(problem.cell)
+        self._shares = shares(problem.cell) if symmetries else (whole(problem.cell),)
         self._spare = Cyclic(problem)
         free = problem.free
         n, n_face = self._condense.n_face, problem.cell.n_face
@@ -43,10 +55,9 @@ class Recursive:
 
     def field(self, omega: float) -> Field:
         """Solve one line; omega [rad/s]. Raises SingularError if the ring itself resonates."""
-        problem = self.problem
+        D = self.problem.cell.dynamic_stiffness(omega)
         try:
-            q = self._solve(problem.cell.dynamic_stiffness(omega))
-            field = Field.checked(problem, omega, q)
+            field = self._checked(omega, D)
             if field.residual <= RESIDUAL_TRUSTED:
                 return field
             why = f"a chain of cells nearly resonates here (residual {field.residual:.0e})"
@@ -54,13 +65,40 @@ class Recursive:
             why = "a chain of cells resonates undamped here"
         return replace(self._spare.field(omega), remark=f"{why}: solved by `cyclic`")
 
+    def _checked(self, omega: float, D: ComplexArray) -> Field:
+        """The recursion's field; where nothing is lost, one load more is needed for proof."""
+        if np.any(D.imag):
+            return Field.checked(self.problem, omega, self._solve(D))
+        watching = self._watching
+        return Field.checked(watching.problem, omega, watching._solve(D)).without_last()
+
+    @cached_property
+    def _watching(self) -> Recursive:
+        return Recursive(
+            watched(self.problem), symmetries=self.symmetries, most_chains=self.most_chains
+        )
+
     def _solve(self, D: ComplexArray) -> ComplexArray:
         """Displacements (n_cells, n_own, n_loads) from the cell's dynamic stiffness entries."""
         cell, interior = self._condense(D)
         inside = {c: interior.factor.solve(f) for c, f in self._f_I.items() if np.any(f)}
-        forces = self._face_forces(interior, inside)
-        faces = ring_faces(Chains(cell), self.problem.n_cells, forces)
+        faces = self._faces(cell, self._face_forces(interior, inside))
         return self._with_interior(faces, interior, inside)
+
+    def _faces(self, cell: Chain, forces: dict[int, ComplexArray]) -> ComplexArray:
+        """Displacements (n_cells, n, n_loads) of all sections, each share of motions by itself."""
+        F = np.hstack(list(forces.values()))
+        q = np.zeros((self.problem.n_cells, *F.shape), complex)
+        for share in self._shares:
+            f = share.Q.T @ F
+            excited = np.linalg.norm(f, axis=0) > UNTOUCHED * np.linalg.norm(F, axis=0)
+            if np.any(excited):
+                part = share_of(cell, share)
+                own = ring_faces(part, len(q), f[:, excited], self.most_chains)
+                q[:, :, excited] += _expanded(share, own)
+        moved = np.split(q, len(forces), axis=2)
+        turned = [np.roll(there, c, axis=0) for c, there in zip(forces, moved, strict=True)]
+        return np.sum(turned, axis=0)
 
     def _face_forces(
         self, interior: Interior, inside: dict[int, ComplexArray]
@@ -87,43 +125,17 @@ class Recursive:
         return q
 
 
-def ring_faces(chains: Chains, n_cells: int, forces: dict[int, ComplexArray]) -> ComplexArray:
-    """Displacements (n_cells, n, n_loads) of all sections of a ring under forces on some of them.
+def share_of(cell: Chain, share: Share) -> Chain | MirrorChain:
+    """A cell's stiffness for a share of the section's motions."""
+    Q = share.Q
+    LL, LR = (Q.T @ (block @ Q) for block in (cell.LL, cell.LR))
+    if share.n_even is None:
+        return Chain(1, LL, LR, Q.T @ (cell.RR @ Q))
+    return MirrorChain(1, LL, LR, share.n_even)
 
-    forces: (n, n_loads) [N] by section, at least one. The ring is cut at the first of them; the
-    chains between the others are joined and their loaded faces eliminated with their forces, and
-    D_tot q = F closes the ring: [19]-[22], with F the force applied to the tyre.
-    Raises SingularError if a chain with fixed ends, or the ring, resonates without damping.
-    """
-    kept = sorted(forces)
-    lengths = np.diff([*kept, kept[0] + n_cells])
-    segments = [chains.of(int(m)) for m in lengths]
 
-    chain = segments[0]
-    g_L, g_R = forces[kept[0]], np.zeros_like(forces[kept[0]])
-    steps: list[
-        tuple[Chain, ComplexArray]
-    ] = []  # the chain up to each kept face, and its q at rest
-    for section, segment in zip(kept[1:], segments[1:], strict=True):
-        joined = join(chain, segment)
-        assert joined.joint is not None
-        x = joined.joint.factor.solve(forces[section] + g_R)
-        g_L, g_R = g_L - chain.LR @ x, -segment.LR.T @ x
-        steps.append((joined, x))
-        chain = joined
-
-    D_tot = chain.LL + chain.LR + chain.LR.T + chain.RR
-    q_cut = factorise(D_tot).solve(g_L + g_R)
-
-    q_kept = [q_cut]
-    for joined, x in reversed(steps):
-        assert joined.joint is not None
-        q_kept.append(x + joined.joint.shared_face(q_cut, q_kept[-1]))
-    q_kept = [q_cut, *reversed(q_kept[1:]), q_cut]
-
-    faces = np.empty((n_cells, *q_cut.shape), complex)
-    for section, segment, q_L, q_R in zip(kept, segments, q_kept, q_kept[1:], strict=False):
-        between = np.arange(section, section + segment.n_cells) % n_cells
-        faces[between[0]] = q_L
-        faces[between[1:]] = segment.inner_faces(q_L, q_R)
-    return faces
+def _expanded(share: Share, q: ComplexArray) -> ComplexArray:
+    """(n_cells, n, m) of the section's free dofs from a share's (n_cells, n_share, m)."""
+    n_cells, n_own, m = q.shape
+    flat = share.Q @ q.transpose(1, 0, 2).reshape(n_own, -1)
+    return flat.reshape(-1, n_cells, m).transpose(1, 0, 2)
