@@ -50,6 +50,11 @@ class Orders:
         self._indptr = np.searchsorted(keys, np.arange(self.n + 1) * self.n)
         self._collect = [_collector(slot, turns == turn, len(keys)) for turn in (0, 1, -1)]
 
+    @property
+    def pattern(self) -> csc_array:
+        """Ones where A_h (n, n) has entries."""
+        return self.matrix(np.ones(len(self._indices)))
+
     def folded(self, entries: ComplexArray | FloatArray) -> Folded:
         """A matrix in the cell's pattern (nnz,), folded."""
         kept = entries[self._keep]

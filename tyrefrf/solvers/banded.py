@@ -1,0 +1,88 @@
+"""All circumferential orders of a ring in one banded factorisation.
+
+Numbered along the profile, A_h is a narrow band. The bands of all orders stand one after another
+in one matrix for LAPACK, which factorises them in one go, and serves A_-h = A_h^T too. Where each
+entry of the cell's matrix goes is found once: a line then costs two products and LAPACK's work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lapack
+from scipy.sparse import csc_array, csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
+from tyrefrf.errors import SingularError
+from tyrefrf.solvers.orders import Folded, Orders
+
+
+class BandedOrders:
+    """Q^T A_h Q at some orders h, for motions Q (n, m) that mix with no others.
+
+    Q has one nonzero at most in each row: every dof moves in one of the motions.
+    """
+
+    def __init__(self, orders: Orders, Q: csc_array, n_cells: int, h: IntArray) -> None:
+        rows, columns, weights = _projected(orders.pattern, Q)
+        order = _narrow(rows, columns, Q.shape[1])
+        place = np.argsort(order)
+        rows, columns = place[rows], place[columns]
+        self.Q, self.h, self.m = Q[:, order], h, Q.shape[1]
+        self.width = int(np.max(np.abs(rows - columns)))
+        self._height = 3 * self.width + 1  # LAPACK's band, with room for what pivots fill
+        turn = np.exp(2j * np.pi * h / n_cells)
+        self._turns = np.stack([np.ones(len(h)), turn, 1.0 / turn], axis=1)
+        slot = columns * self._height + 2 * self.width + rows - columns
+        used, place = np.unique(slot, return_inverse=True)
+        self._collect = csr_array(
+            (weights, (place, np.arange(len(slot)))), shape=(len(used), len(slot))
+        )
+        self._used = used
+
+    def factorise(self, D: Folded) -> BandedFactor:
+        """LU factors of all these orders. Raises SingularError where a pivot is exactly zero."""
+        parts = np.stack([D.straight, D.on, D.back], axis=1)
+        band = np.zeros((3, self.m * self._height), complex)
+        band[:, self._used] = (self._collect @ parts.view(float)).view(complex).T
+        stacked = (self._turns @ band).reshape(-1, self._height)
+        lu, pivots, info = lapack.zgbtrf(stacked.T, self.width, self.width, overwrite_ab=True)
+        if info > 0:
+            raise SingularError("exactly singular: the tyre resonates undamped on this line")
+        return BandedFactor(lu, pivots, self.width)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BandedFactor:
+    """LU factors of A_h, order after order, in LAPACK's band storage, and their pivots."""
+
+    lu: ComplexArray
+    pivots: IntArray
+    width: int
+
+    def solve(self, f: ComplexArray, *, transposed: bool = False) -> ComplexArray:
+        """A_h^-1 f_h, or A_h^-T f_h, for right-hand sides (h, m, k)."""
+        n_orders, m, k = f.shape
+        b = f.reshape(n_orders * m, k)
+        x, _ = lapack.zgbtrs(self.lu, self.width, self.width, b, self.pivots, trans=int(transposed))
+        return x.reshape(n_orders, m, k)
+
+
+def _projected(pattern: csc_array, Q: csc_array) -> tuple[IntArray, IntArray, FloatArray]:
+    """Where each entry of A goes in Q^T A Q, and its weight there."""
+    motion, weight = np.zeros(Q.shape[0], int), np.zeros(Q.shape[0])
+    coo = Q.tocoo()
+    motion[coo.row], weight[coo.row] = coo.col, coo.data
+    A = pattern.tocoo()
+    return motion[A.row], motion[A.col], weight[A.row] * weight[A.col]
+
+
+def _narrow(rows: IntArray, columns: IntArray, m: int) -> IntArray:
+    """The order (m,) of the motions with the narrower band: theirs, or Cuthill and McKee's."""
+    pattern = csr_array((np.ones(len(rows)), (rows, columns)), shape=(m, m))
+    thin = np.asarray(reverse_cuthill_mckee(pattern, symmetric_mode=True))
+    place = np.argsort(thin)
+    widths = [np.max(np.abs(rows - columns)), np.max(np.abs(place[rows] - place[columns]))]
+    return thin if widths[1] < widths[0] else np.arange(m)
