@@ -47,4 +47,4 @@ def test_static_deflections_to_the_printed_digits(name):
 
     decade = 10.0 ** np.floor(np.log10(np.maximum(np.abs(printed), np.finfo(float).tiny)))
     np.testing.assert_array_less(np.abs(u - printed), HALF_A_UNIT * decade + 2.0 * ROUNDING)
-    assert np.all(u.imag == 0.0)
+    assert np.abs(u.imag).max() < ROUNDING  # orders are complex, and their sum is not
