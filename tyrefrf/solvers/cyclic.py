@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
 
-from tyrefrf.arrays import ComplexArray
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray
 from tyrefrf.solvers.banded import BandedOrders
 from tyrefrf.solvers.orders import Folded, Orders
 from tyrefrf.solvers.problem import Field, RingProblem, watched
-from tyrefrf.solvers.symmetry import halves
+from tyrefrf.solvers.symmetry import Turnabout, halves, turnabout
 
 UNTOUCHED = 1e-14
 """Part of the loads, relative to all of them, below which motions are not excited."""
@@ -23,34 +22,24 @@ UNTOUCHED = 1e-14
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Half:
-    """Motions that mix with no others, at the orders h at which the loads f (h, m, k) excite them.
-
-    Loads are real, so that f_-h is the conjugate of f_h; and A_-h = A_h^T.
-    """
+    """Motions that mix with no others, and the loads f (h, m, k) on them at the orders excited."""
 
     bands: BandedOrders
     f: ComplexArray
 
-    def add_to(self, x_h: ComplexArray, D: Folded) -> None:
-        """Add these motions' part to x_h (N, n, k), at the orders h and -h."""
-        factor = self.bands.factorise(D)
-        h, Q = self.bands.h, self.bands.Q
-        minus = (h > 0) & (2 * h < len(x_h))
-        x_h[h] += _expanded(Q, factor.solve(self.f))
-        back = factor.solve(self.f.conj(), transposed=True)
-        x_h[-h[minus]] += _expanded(Q, back[minus])
-
-
-def _expanded(Q: csc_array, x: ComplexArray) -> ComplexArray:
-    """Q x (h, n, k) of motions x (h, m, k)."""
-    flat = Q @ x.transpose(1, 0, 2).reshape(x.shape[1], -1)
-    return flat.reshape(Q.shape[0], len(x), x.shape[2]).transpose(1, 0, 2)
+    def expanded(self, x: ComplexArray) -> ComplexArray:
+        """Q x (h, n, k) of motions x (h, m, k)."""
+        Q = self.bands.Q
+        flat = Q @ x.transpose(1, 0, 2).reshape(x.shape[1], -1)
+        return flat.reshape(Q.shape[0], len(x), x.shape[2]).transpose(1, 0, 2)
 
 
 class Cyclic:
     """A_h x_h = f_h at every circumferential order that the loads excite; q by inverse FFT.
 
     Tyres that mirror in y fall into two halves; a load in the middle plane excites one of them.
+    Loads are real, so that f_-h is the conjugate of f_h. Its answer is the mirror image of x_h for
+    a load that the ring's mirror keeps or turns round; for others A_-h = A_h^T.
     """
 
     exact = True
@@ -60,11 +49,14 @@ class Cyclic:
         self._orders = Orders(problem.cell)
         f = problem.loads.toarray().reshape(problem.n_cells, problem.cell.n_own, -1)
         f_h = np.fft.fft(f[:, problem.free], axis=0)[: problem.n_cells // 2 + 1]
-        size = np.linalg.norm(f_h)
+        self._mu = 2.0 * np.pi * np.arange(len(f_h)) / problem.n_cells
+        self._mirror = turnabout(problem.cell)
+        self._phase = _mirror_phases(self._mirror, f_h, self._mu)
+        self._mixed: BoolArray = np.asarray(np.isnan(self._phase).any(axis=0))
         self._halves = []
         for Q in halves(problem.cell):
-            own = np.einsum("hnk,nm->hmk", f_h, Q.toarray())
-            excited = np.linalg.norm(own, axis=(1, 2)) > UNTOUCHED * size
+            own = np.stack([Q.T @ f for f in f_h])
+            excited = np.linalg.norm(own, axis=(1, 2)) > UNTOUCHED * np.linalg.norm(f_h)
             if np.any(excited):
                 h = np.flatnonzero(excited)
                 bands = BandedOrders(self._orders, Q, problem.n_cells, h)
@@ -74,21 +66,50 @@ class Cyclic:
         """Solve one line; omega [rad/s]. Raises SingularError if an order resonates undamped."""
         D = self.problem.cell.dynamic_stiffness(omega)
         if np.any(D.imag):
-            return self._solved(omega, D)
-        return self._watching._solved(omega, D).without_last()
+            return self._checked(omega, D)
+        return self._watching._checked(omega, D).without_last()
 
     @cached_property
     def _watching(self) -> Cyclic:
         """The solver of lines without any loss, where one load more is needed for proof."""
         return Cyclic(watched(self.problem))
 
-    def _solved(self, omega: float, D: ComplexArray) -> Field:
+    def _checked(self, omega: float, D: ComplexArray) -> Field:
         """The field from the cell's dynamic stiffness entries."""
         problem, N = self.problem, self.problem.n_cells
-        folded = self._orders.folded(D)
-        x_h = np.zeros((N, self._orders.n, problem.n_loads), complex)
-        for half in self._halves:
-            half.add_to(x_h, folded)
         q = np.zeros((N, problem.cell.n_own, problem.n_loads), complex)
-        q[:, problem.free] = np.fft.ifft(x_h, axis=0)
+        q[:, problem.free] = np.fft.ifft(self._all_orders(self._orders.folded(D)), axis=0)
         return Field.checked(problem, omega, q)
+
+    def _all_orders(self, D: Folded) -> ComplexArray:
+        """x_h (N, n, k), negative orders at the end."""
+        N, mixed = self.problem.n_cells, self._mixed
+        x = np.zeros((len(self._mu), self._orders.n, len(mixed)), complex)
+        back = np.zeros((*x.shape[:2], int(mixed.sum())), complex)
+        for half in self._halves:
+            factor, h = half.bands.factorise(D), half.bands.h
+            x[h] = x[h] + half.expanded(factor.solve(half.f))
+            if np.any(mixed):
+                f = half.f[..., mixed].conj()
+                back[h] = back[h] + half.expanded(factor.solve(f, transposed=True))
+        minus = np.empty_like(x)
+        if self._mirror is not None:
+            minus[...] = self._phase[:, None] * self._mirror.of(x, self._mu)
+        minus[..., mixed] = back
+        return np.concatenate([x, minus[(N - 1) // 2 : 0 : -1]])
+
+
+def _mirror_phases(mirror: Turnabout | None, f_h: ComplexArray, mu: FloatArray) -> ComplexArray:
+    """(h, k) the phases with which the loads' mirror images R f_h are f_-h; NaN where they are not.
+
+    f_h: (h, n, k) at mu (h,).
+    """
+    if mirror is None:
+        return np.full((len(f_h), f_h.shape[2]), complex(np.nan, np.nan))
+    image = mirror.of(f_h, mu)
+    size = np.linalg.norm(f_h, axis=1)
+    still = size <= UNTOUCHED * size.max(axis=0)
+    part = np.einsum("hnk,hnk->hk", image.conj(), f_h.conj())
+    phase = np.where(still, 1.0, part / np.where(still, 1.0, size**2))
+    lack = np.linalg.norm(f_h.conj() - phase[:, None] * image, axis=1)
+    return np.where(lack <= UNTOUCHED * size.max(axis=0), phase, complex(np.nan, np.nan))

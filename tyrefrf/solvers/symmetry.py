@@ -20,7 +20,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, hstack
 from scipy.spatial import KDTree
 
-from tyrefrf.arrays import BoolArray, FloatArray, IntArray
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from tyrefrf.fem.assembly import CellMatrices
 
 SAME_PLACE = 1e-7
@@ -75,6 +75,38 @@ def halves(cell: CellMatrices) -> tuple[csc_array, ...]:
     if across is None:
         return (eye_array(int(free.sum()), format="csc"),)
     return _eigenvectors(_on(across, free))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turnabout:
+    """The ring's mirror about its first section, which takes order h to -h: A_-h = R A_h R^-1.
+
+    For a cell that mirrors `around`. Over the own free dofs (n,): dof i of the section falls on
+    itself, one inside a cell on its image in the cell before, hence with exp(-i mu).
+    """
+
+    image: IntArray
+    sign: FloatArray
+    inside: BoolArray
+
+    def of(self, x: ComplexArray, mu: FloatArray) -> ComplexArray:
+        """R x of motions x (h, n, k) of the orders with these mu (h,)."""
+        turned = np.empty_like(x)
+        turn = np.where(self.inside, np.exp(-1j * mu)[:, None], 1.0)
+        turned[:, self.image] = (self.sign * turn)[..., None] * x
+        return turned
+
+
+def turnabout(cell: CellMatrices) -> Turnabout | None:
+    """The ring's mirror, None where the cell has none."""
+    around = _reflection(cell, *AROUND)
+    if around is None:
+        return None
+    own, free = slice(0, cell.n_own), ~cell.fixed[: cell.n_own]
+    inside = np.arange(cell.n_own) >= cell.n_face
+    image = np.where(inside, around.image[own], np.arange(cell.n_own))
+    number = np.cumsum(free) - 1
+    return Turnabout(number[image[free]], around.sign[own][free], inside[free])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
