@@ -114,7 +114,7 @@ def test_resonance_of_the_undamped_ring_is_an_error_that_names_it(solver, mode):
 @pytest.mark.parametrize("mode", range(16))
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_resonance_of_a_mode_that_no_load_excites_is_refused(solver, mode):
-    """Equal radial forces around the tyre excite order 0 alone: their own residual tells nothing."""
+    """Equal radial forces all around excite order 0 alone: their own residual tells nothing."""
     ring = lossless(tyre(n_cells=7, elements_along=4))
     problem = ring.problem(ring.columns({ring.dof(c, 3, R): 1.0 for c in range(7)}))
     omega = ring_frequencies(ring)[mode]

@@ -26,7 +26,7 @@ class BandedOrders:
     """
 
     def __init__(self, orders: Orders, Q: csc_array, n_cells: int, h: IntArray) -> None:
-        rows, columns, weights = _projected(orders.pattern, Q)
+        entries, rows, columns, weights = _projected(orders.pattern, Q)
         order = _narrow(rows, columns, Q.shape[1])
         place = np.argsort(order)
         rows, columns = place[rows], place[columns]
@@ -37,9 +37,8 @@ class BandedOrders:
         self._turns = np.stack([np.ones(len(h)), turn, 1.0 / turn], axis=1)
         slot = columns * self._height + 2 * self.width + rows - columns
         used, place = np.unique(slot, return_inverse=True)
-        self._collect = csr_array(
-            (weights, (place, np.arange(len(slot)))), shape=(len(used), len(slot))
-        )
+        shape = len(used), orders.pattern.nnz
+        self._collect = csr_array((weights, (place, entries)), shape=shape)
         self._used = used
 
     def factorise(self, D: Folded) -> BandedFactor:
@@ -70,13 +69,15 @@ class BandedFactor:
         return x.reshape(n_orders, m, k)
 
 
-def _projected(pattern: csc_array, Q: csc_array) -> tuple[IntArray, IntArray, FloatArray]:
-    """Where each entry of A goes in Q^T A Q, and its weight there."""
+def _projected(pattern: csc_array, Q: csc_array) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    """Entries of A by their numbers, where each goes in Q^T A Q, and its weight there."""
     motion, weight = np.zeros(Q.shape[0], int), np.zeros(Q.shape[0])
     coo = Q.tocoo()
     motion[coo.row], weight[coo.row] = coo.col, coo.data
     A = pattern.tocoo()
-    return motion[A.row], motion[A.col], weight[A.row] * weight[A.col]
+    weights = weight[A.row] * weight[A.col]
+    kept = np.flatnonzero(weights)
+    return kept, motion[A.row[kept]], motion[A.col[kept]], weights[kept]
 
 
 def _narrow(rows: IntArray, columns: IntArray, m: int) -> IntArray:
