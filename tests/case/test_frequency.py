@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import pytest
@@ -66,3 +67,25 @@ def test_lines_increase_from_start_to_stop(start, width, count, spacing):
 
 def test_a_million_lines_are_allowed():
     assert len(Frequency(stop=99_999.9, step=0.1).lines()) == 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"), [(1e-4, 1e-4), ("20e-3 dB", 10**0.001 - 1), ("0.01dB", 10**0.0005 - 1)]
+)
+def test_a_tolerance_is_a_share_or_decibels(given, expected):
+    assert Frequency(stop=10, step=1, tolerance=given).tolerance == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (0.5, "0.5 of the peak is out of range; must be at most 0.1 of the peak"),
+        (0, "0 of the peak is out of range; must be at least 1e-09 of the peak"),
+        ("3 dB", "3 dB is out of range; must be at most 0.1 of the peak"),
+        ("1 %", "unknown unit '%'; use one of dB"),
+        (True, "true is not a number or text in dB"),
+    ],
+)
+def test_a_tolerance_that_is_none_is_refused(given, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        Frequency(stop=10, step=1, tolerance=given)

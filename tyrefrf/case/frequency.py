@@ -11,7 +11,7 @@ from pydantic import Field
 
 from tyrefrf.case.faults import Fault
 from tyrefrf.case.table import Table
-from tyrefrf.case.units import FREQUENCY, Quantity
+from tyrefrf.case.units import FREQUENCY, Level, Quantity
 
 MAX_LINES = 1_000_000
 MIN_SPACING = 1e-3  # Hz; keeps neighbouring lines apart at 1 MHz
@@ -36,6 +36,17 @@ class Frequency(Table):
     )
     spacing: Literal["linear", "log"] = Field(
         "linear", description="spacing of a range's lines; log needs count and start > 0"
+    )
+
+    adaptive: bool = Field(
+        False,
+        description="solve as many of the lines as a rational fit needs, and fit the others; all "
+        "are solved where the fit is not trusted",
+    )
+    tolerance: Annotated[float, Level(ge=1e-9, le=0.1)] = Field(
+        1e-5,
+        description="adaptive: error of the fit, of the peak of each load's driving point; or in "
+        'decibels at that peak, "0.01 dB"',
     )
 
     def lines(self) -> list[float]:

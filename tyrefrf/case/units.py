@@ -6,7 +6,7 @@ import decimal
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Any
 
@@ -106,3 +106,25 @@ class Quantity:
         units = "|".join(re.escape(unit) for unit in self.units)
         number: dict[str, Any] = {"type": "number", **self._bounds()}
         return {"anyOf": [number, {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*({units})\s*$"}]}
+
+
+@dataclass(frozen=True, eq=False)
+class Level(Quantity):
+    """Annotation of a small relative error: a bare number, or decibels such as "0.01 dB".
+
+    x dB change an amplitude by 10^(x/20) - 1 of itself.
+    """
+
+    units: Units = field(default_factory=lambda: {"dB": "1"})
+
+    @property
+    def _unit(self) -> str:
+        return "of the peak"
+
+    def _read_number(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise refusal(Fault((), f"{shown(value)} is not a number or text in dB"))
+        return super()._read_number(value)
+
+    def _read_text(self, text: str) -> float:
+        return math.expm1(super()._read_text(text) * math.log(10.0) / 20.0)

@@ -45,7 +45,8 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "proof": {name: _worst(measure.worst_of(results)) for name, measure in MEASURES.items()},
         "breaches": list(breaches(results)),
         "certificate": _certificate(results),
-        "seconds_per_line": float(np.median(results.solve_time)),
+        "adaptive": adaptive_words(origin.numbers, len(results.frequency)),
+        "seconds_per_line": float(np.nanmedian(results.solve_time)),
         "failed": [
             remark for remark, failed in zip(results.remark, results.failed, strict=True) if failed
         ],
@@ -105,6 +106,24 @@ def _median(values: FloatArray) -> float | None:
     return float(np.median(values)) if values.size else None
 
 
+def adaptive_words(numbers: dict[str, float | int], n_lines: int) -> str:
+    """How many adaptive lines were solved and how wrong the others are, or why none is fitted.
+
+    Empty where all lines were to be solved.
+    """
+    if "solved_lines" not in numbers:
+        return ""
+    n, error = numbers["solved_lines"], numbers["fit_error"]
+    found = f"error on held-back lines {error:.0e} of the peak"
+    if n < n_lines:
+        return f"{n} solved, the others fitted: {found}"
+    if numbers["narrow_lines"] == n_lines:
+        return "all solved: too few to be fitted, or the modes could not be counted"
+    if np.isnan(error):
+        return f"all solved: {numbers['narrow_lines']} stand at resonances too narrow to be fitted"
+    return f"all solved: the fit was not trusted ({found})"
+
+
 def _inflation(state: StaticState | None) -> dict[str, Any] | None:
     """How the tyre was inflated, and whether that converged; None without pressure."""
     if state is None:
@@ -134,6 +153,7 @@ def describe_run(facts: dict[str, Any]) -> str:
         *([f"  pressure  {facts['inflation']['words']}"] if facts["inflation"] else []),
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
+        *([f"  adaptive  {facts['adaptive']}"] if facts["adaptive"] else []),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
         *proof_lines(facts),
@@ -223,6 +243,7 @@ def describe(results: Results) -> str:
         f"  tyre      {origin.n_cells} cells of {np.rad2deg(origin.sector_angle):.6g} degrees",
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz, {results.n_failed} failed",
+        *([f"  adaptive  {facts['adaptive']}"] if facts["adaptive"] else []),
         *proof_lines(facts),
         *_certificate_lines(facts),
         *([f"  pressure  {facts['inflation']['words']}"] if facts["inflation"] else []),
@@ -246,7 +267,8 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
         f"  ring      {found.n_cells} cells, {found.ring_nodes} nodes, {found.ring_dofs} dofs",
         f"  mass      {found.mass:.2f} kg"
         + (f": {_shares(found.masses)}" if len(found.masses) > 1 else ""),
-        f"  lines     {found.n_lines}, up to {found.top_frequency:g} Hz",
+        f"  lines     {found.n_lines}, up to {found.top_frequency:g} Hz"
+        + (", solved as far as a fit of the others needs" if case.frequency.adaptive else ""),
         f"  columns   {found.n_loads} loads, {found.n_probes} probes (driving points included)",
         *(
             f"  waves     {r.material} at {found.top_frequency:g} Hz: "
@@ -256,7 +278,8 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
             f"{r.per_wavelength:.1f} per wavelength ({r.enough:g} recommended)"
             for r in found.resolution
         ),
-        f"  cost      about {found.seconds:.0f} s and {found.memory / 1e6:.0f} MB "
+        f"  cost      {'at most' if case.frequency.adaptive else 'about'} "
+        f"{found.seconds:.0f} s and {found.memory / 1e6:.0f} MB "
         f"with --jobs {jobs} ({case.solver.name})",
         *(f"  warning   {warning}" for warning in found.warnings),
     ]

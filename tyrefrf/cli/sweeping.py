@@ -165,6 +165,7 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
     """The facts of a sweep that a script wants to know."""
     import numpy as np
 
+    from tyrefrf.cli.report import adaptive_words
     from tyrefrf.results.proof import MEASURES, breaches
 
     origin = sweep.provenance
@@ -204,7 +205,12 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
         "largest_residual": _largest(sweep.residual[sweep.solved]),
         "proof": {name: _worst_of(named, measure) for name, measure in MEASURES.items()},
         "breaches": [f"{label}: {reason}" for label, point in named for reason in breaches(point)],
-        "seconds_per_line": float(np.median(sweep.solve_time)),
+        "adaptive": [
+            f"{label}: {words}"
+            for label, point in named
+            if (words := adaptive_words(point.provenance.numbers, len(point.frequency)))
+        ],
+        "seconds_per_line": float(np.nanmedian(sweep.solve_time)),
         "failed": [text for text, failed in remarks if failed],
         "remarks": [text for text, failed in remarks if not failed],
         "files": [str(path) for path in files],
@@ -237,6 +243,7 @@ def describe_sweep(facts: dict[str, Any]) -> str:
         ),
         f"  lines     {facts['points']} x {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
+        *(f"  adaptive  {words}" for words in facts["adaptive"]),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
         *proof_lines(facts),

@@ -80,9 +80,9 @@ def _mirrored(half: FloatArray) -> FloatArray:
 
 
 def _folded(section: SectionMesh) -> bool:
-    """Whether a quadrilateral is turned inside out anywhere: on a grid of 5 x 5 natural points."""
+    """Whether a quadrilateral is turned inside out anywhere: on a grid of 13 x 13 natural points."""
     nodes = QUAD4 if section.quads.shape[1] == 4 else QUAD8
-    line = np.linspace(-1.0, 1.0, 5)
+    line = np.linspace(-1.0, 1.0, 13)
     _, dN = shape(nodes, np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2))
     J = np.einsum("gak,eai->egki", dN, section.points[section.quads], optimize=True)
     return not np.all(np.linalg.det(J) > 0.0)

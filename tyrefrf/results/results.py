@@ -79,7 +79,7 @@ class Results:
         hub per unit load; h = 6 as in `HUB`, or 0 where the case asks for none.
     solved: (f,) false where a line failed or was fitted.
     residual: (f,) ||F - D q|| / ||F|| of the ring's equations, NaN where not solved.
-    solve_time: (f,) [s].
+    solve_time: (f,) [s], NaN where fitted.
     remark: f texts, empty or what was special about the line, or why it failed.
     inflation: the static state that the tyre vibrates about; None without pressure.
     certificate: what a second look found, where one was asked for.

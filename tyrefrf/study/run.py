@@ -14,9 +14,10 @@ from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, case_hash, load_case, read_text, resolved_toml
 from tyrefrf.fem.inflation import Inflation
 from tyrefrf.results import Provenance, Results, StaticState
+from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.certify import certified, plan_certificate
 from tyrefrf.study.model import Model, build_model
-from tyrefrf.study.spectrum import Progress, Spectrum, solve_spectrum
+from tyrefrf.study.spectrum import Fit, Progress, Spectrum
 
 
 def run(case: Case | str | Path, *, jobs: int | None = None, certify: bool = False) -> Results:
@@ -50,7 +51,7 @@ def run_case(
     start = time.perf_counter()
     model = build_model(case)
     frequency = np.array(case.frequency.lines())
-    spectrum = solve_spectrum(model.problem, case.solver, frequency, jobs or cores(), progress)
+    spectrum = solve_case([model.problem], case, jobs or cores(), progress)[0]
     seconds = time.perf_counter() - start
     return results_of(model, frequency, spectrum, case_text, {**sizes(model), "seconds": seconds})
 
@@ -91,9 +92,21 @@ def results_of(
         solve_time=spectrum.solve_time,
         remark=spectrum.remark,
         section=model.mesh.section,
-        provenance=provenance_of(model.case, case_text, numbers),
+        provenance=provenance_of(model.case, case_text, {**numbers, **_fit_numbers(spectrum.fit)}),
         inflation=None if model.inflation is None else static_state(model, model.inflation),
     )
+
+
+def _fit_numbers(fit: Fit | None) -> dict[str, float | int]:
+    """What became of adaptive lines, by the names that results keep; nothing without."""
+    if fit is None:
+        return {}
+    return {
+        "solved_lines": fit.n_solved,
+        "narrow_lines": fit.n_narrow,
+        "fit_tolerance": fit.tolerance,
+        "fit_error": fit.error,
+    }
 
 
 def static_state(model: Model, state: Inflation) -> StaticState:

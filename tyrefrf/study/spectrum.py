@@ -31,6 +31,8 @@ class Spectrum:
     receptance: (n_probes, n_loads, f) [m/N], NaN where a line failed. residual: (f,).
     solve_time: (f,) [s]. remark: f texts, "" or what was special, or why the line failed.
     prepare_time: what the solver took before the first line [s]; a modal one's modes.
+    fit: how the lines that were not solved were fitted; None where all had to be solved. A fitted
+    line has its receptance, and NaN for residual and solve_time.
     """
 
     receptance: ComplexArray
@@ -38,6 +40,22 @@ class Spectrum:
     solve_time: FloatArray
     remark: tuple[str, ...]
     prepare_time: float
+    fit: Fit | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """What became of adaptive lines.
+
+    tolerance: of the driving points' peaks. n_solved: lines that were solved. n_narrow: lines at
+    resonances that are too narrow to be left to the fit. error: the worst on the last lines that
+    were predicted before they were solved; NaN where none was.
+    """
+
+    tolerance: float
+    n_solved: int
+    n_narrow: int
+    error: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +66,7 @@ class Chunk:
     problem: RingProblem
     make_solver: Maker
     frequency: FloatArray
-    lines: range
+    lines: Sequence[int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,21 +106,29 @@ def solve_spectra(
     One pool works at all of them: no process waits for a problem's last line.
     """
     n = len(frequency)
+    gathered = [Gathered.prepared(problem, solver, frequency, jobs) for problem in problems]
     length = _chunk_length(n, len(problems), jobs)
-    gathered, chunks = [], []
-    for number, problem in enumerate(problems):
-        begun = time.perf_counter()
-        make = prepare(problem, solver, jobs)
-        gathered.append(_Gathered(problem, n, time.perf_counter() - begun))
-        chunks += [
-            Chunk(number, problem, make, frequency, range(start, min(start + length, n)))
-            for start in range(0, n, length)
-        ]
-    for lines in map_unordered(_solve_chunk, chunks, jobs):
-        for done in lines:
-            gathered[done.number].add(done)
-        progress(len(lines))
+    solve_lines(gathered, [range(n)] * len(problems), length, jobs, progress)
     return [found.spectrum() for found in gathered]
+
+
+def solve_lines(
+    gathered: Sequence[Gathered],
+    lines: Sequence[Sequence[int]],
+    length: int,
+    jobs: int,
+    progress: Progress,
+) -> None:
+    """Solve some lines of each problem and gather them; `length` of them go to a worker at once."""
+    chunks = [
+        Chunk(number, found.problem, found.make_solver, found.frequency, wanted[i : i + length])
+        for number, (found, wanted) in enumerate(zip(gathered, lines, strict=True))
+        for i in range(0, len(wanted), length)
+    ]
+    for solved in map_unordered(_solve_chunk, chunks, jobs):
+        for done in solved:
+            gathered[done.number].add(done)
+        progress(len(solved))
 
 
 def _chunk_length(n_lines: int, n_problems: int, jobs: int) -> int:
@@ -112,23 +138,38 @@ def _chunk_length(n_lines: int, n_problems: int, jobs: int) -> int:
     return min(max(of_one, of_all), n_lines, LONGEST_CHUNK)
 
 
-class _Gathered:
-    """A problem's lines as they come."""
+class Gathered:
+    """A problem's lines as they come; NaN where none has."""
 
-    def __init__(self, problem: RingProblem, n_lines: int, prepare_time: float) -> None:
+    def __init__(
+        self, problem: RingProblem, make_solver: Maker, frequency: FloatArray, prepare_time: float
+    ) -> None:
+        self.problem, self.make_solver, self.frequency = problem, make_solver, frequency
         self.prepare_time = prepare_time
+        n_lines = len(frequency)
         shape = (problem.probes.shape[1], problem.n_loads, n_lines)
         self.receptance = np.full(shape, complex(np.nan, np.nan))
         self.residual, self.seconds = np.full(n_lines, np.nan), np.full(n_lines, np.nan)
         self.remark = [""] * n_lines
 
+    @classmethod
+    def prepared(
+        cls, problem: RingProblem, solver: Solver, frequency: FloatArray, jobs: int
+    ) -> Gathered:
+        """No line yet, but all that the solver does before the first."""
+        begun = time.perf_counter()
+        make = prepare(problem, solver, jobs)
+        return cls(problem, make, frequency, time.perf_counter() - begun)
+
     def add(self, done: TimedLine) -> None:
+        """Put a line in its place."""
         self.receptance[..., done.index] = done.line.receptance
         self.residual[done.index] = done.line.residual
         self.seconds[done.index] = done.seconds
         self.remark[done.index] = done.line.remark
 
     def spectrum(self) -> Spectrum:
+        """All lines."""
         return Spectrum(
             self.receptance, self.residual, self.seconds, tuple(self.remark), self.prepare_time
         )

@@ -10,9 +10,10 @@ import numpy as np
 
 from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
 from tyrefrf.results import SweepResults
+from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.model import Workshop
 from tyrefrf.study.run import cores, provenance_of, results_of, sizes
-from tyrefrf.study.spectrum import Progress, solve_spectra
+from tyrefrf.study.spectrum import Progress
 
 
 def sweep(
@@ -52,7 +53,7 @@ def run_sweep(
     models = grid.each(Workshop().model)
     frequency = np.array(base.frequency.lines())
     problems = [model.problem for model in models]
-    spectra = solve_spectra(problems, base.solver, frequency, jobs or cores(), progress)
+    spectra = solve_case(problems, base, jobs or cores(), progress)
     seconds = time.perf_counter() - start
     return SweepResults(
         axes=grid.axes,
