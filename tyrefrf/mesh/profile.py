@@ -80,7 +80,7 @@ def _mirrored(half: FloatArray) -> FloatArray:
 
 
 def _folded(section: SectionMesh) -> bool:
-    """Whether a quadrilateral is turned inside out anywhere: on a grid of 13 x 13 natural points."""
+    """Whether a quadrilateral is turned inside out: anywhere on 13 x 13 natural points."""
     nodes = QUAD4 if section.quads.shape[1] == 4 else QUAD8
     line = np.linspace(-1.0, 1.0, 13)
     _, dN = shape(nodes, np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2))

@@ -62,6 +62,12 @@ class Cyclic:
                 bands = BandedOrders(self._orders, Q, problem.n_cells, h)
                 self._halves.append(Half(bands, np.stack([bands.Q.T @ f_h[i] for i in h])))
 
+    @property
+    def operations(self) -> float:
+        """Of the factorisations of a line: 16 m w^2 for every order's band of m dofs."""
+        bands = [half.bands for half in self._halves]
+        return sum(16.0 * len(band.h) * band.m * band.width**2 for band in bands)
+
     def field(self, omega: float) -> Field:
         """Solve one line; omega [rad/s]. Raises SingularError if an order resonates undamped."""
         D = self.problem.cell.dynamic_stiffness(omega)

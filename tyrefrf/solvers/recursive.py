@@ -14,7 +14,7 @@ from tyrefrf.solvers.condense import Condenser, Interior
 from tyrefrf.solvers.cyclic import Cyclic
 from tyrefrf.solvers.mirror import MirrorChain
 from tyrefrf.solvers.problem import Field, RingProblem, watched
-from tyrefrf.solvers.ring import MOST_CHAINS, ring_faces
+from tyrefrf.solvers.ring import MOST_CHAINS, operations, ring_faces
 from tyrefrf.solvers.symmetry import Share, shares, whole
 
 RESIDUAL_TRUSTED = 1e-8
@@ -52,6 +52,13 @@ class Recursive:
         self._f_L = {c: f[:n_face][free[:n_face]] for c, f in loads.items()}
         self._f_I = {c: f[n_face:][free[n_face:]] for c, f in loads.items()}
         self._zero = np.zeros((n, problem.n_loads), complex)
+
+    @property
+    def operations(self) -> float:
+        """Of a line's joins and closings, all shares together."""
+        N, most = self.problem.n_cells, self.most_chains
+        kinds = [(Chain if s.n_even is None else MirrorChain, s.Q.shape[1]) for s in self._shares]
+        return sum(operations(kind, n, N, most) for kind, n in kinds)
 
     def field(self, omega: float) -> Field:
         """Solve one line; omega [rad/s]. Raises SingularError if the ring itself resonates."""

@@ -77,11 +77,19 @@ def _side_by_side(q: ComplexArray) -> ComplexArray:
 @cache
 def n_chains(n_cells: int, double: float, join: float, most: int = MOST_CHAINS) -> int:
     """Of how many chains a ring is closed at least cost; double, join: what these cost."""
+    possible = [k for k in range(1, most + 1) if n_cells % k == 0]
+    return min(possible, key=lambda k: _ring_cost(n_cells, k, double, join))
 
-    def whole(k: int) -> float:
-        return cost(steps(n_cells // k, double, join), double, join) + CLOSE * (k // 2 + 1)
 
-    return min((k for k in range(1, most + 1) if n_cells % k == 0), key=whole)
+def operations(kind: type[AnyChain], n: int, n_cells: int, most: int = MOST_CHAINS) -> float:
+    """Of a ring with n dofs on a face, joined and closed."""
+    costs = kind.DOUBLE, kind.JOIN
+    return _ring_cost(n_cells, n_chains(n_cells, *costs, most), *costs) * n**3
+
+
+def _ring_cost(n_cells: int, k: int, double: float, join: float) -> float:
+    """Operations over n^3 of joining and closing k chains."""
+    return cost(steps(n_cells // k, double, join), double, join) + CLOSE * (k // 2 + 1)
 
 
 @cache

@@ -12,19 +12,22 @@ from tyrefrf.case import Case, Solver
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
-from tyrefrf.solvers import RingProblem
+from tyrefrf.solvers import Cyclic, Recursive, RingProblem
 from tyrefrf.solvers.direct import check_library
 from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
 
-JOIN = 43.0 / 0.65
-"""Operations of one join over n^3, factorisation 8/3, substitution 16 and products 24, over the
-share of the machine's zgemm rate that they reach: 0.47 at n = 162, 0.78 at 501."""
+REACHED = {"recursive": 0.8, "cyclic": 0.12}
+"""Of the machine's zgemm rate: by the recursion's operations, and by those of LAPACK's bands, the
+substitution counted with them."""
 
-CYCLIC, DIRECT = 9000.0, 35.0
-"""Cost at the zgemm rate over N n w, w the section's half bandwidth, and over N n^3: what the
-homogeneous and the layered tyre take, both within 10 % (benchmarks/RESULTS.md)."""
+CHECK, FIXED = 14_000.0, 3e-3
+"""The field and its residual, cost at the zgemm rate over N n; and seconds that any line takes.
+With these the homogeneous and the layered tyre are met within a third (benchmarks/RESULTS.md)."""
+
+DIRECT = 35.0
+"""Cost of SuperLU's `direct` at the zgemm rate over N n^3: both tyres within 10 %."""
 
 PARDISO = 0.3
 """Of what SuperLU takes for `direct`: 0.22 on the layered tyre, 0.41 on the homogeneous one."""
@@ -147,24 +150,19 @@ def _section_dofs(problem: RingProblem) -> int:
 
 def line_seconds(solver: str, problem: RingProblem) -> float:
     """Seconds per line, from the operations of the solver and this machine's zgemm rate."""
-    n, N = _section_dofs(problem), problem.n_cells
-    own = int(problem.free.sum())
+    N, own = problem.n_cells, int(problem.free.sum())
+    cost = CHECK * N * own
     if solver == "recursive":
-        cost = JOIN * n**3 * _joins(N) + 8.0 * (own - n) * ((own - n) / 3.0 + 2.0 * n) ** 2
+        n = _section_dofs(problem)
+        inside = 8.0 * (own - n) * ((own - n) / 3.0 + 2.0 * n) ** 2
+        cost += (Recursive(problem).operations + inside) / REACHED["recursive"]
     elif solver == "cyclic":
-        cell = problem.cell
-        inside = (cell.rows < cell.n_own) & (cell.indices < cell.n_own)
-        cost = CYCLIC * N * own * float(np.mean(np.bincount(cell.rows[inside]))) / 2.0
+        cost += Cyclic(problem).operations / REACHED["cyclic"]
     elif solver == "modal":
         cost = MODAL * N * own
     else:
-        cost = DIRECT * N * own**3 * (PARDISO if check_library("auto") == "pardiso" else 1.0)
-    return float(cost / zgemm_rate())
-
-
-def _joins(n_cells: int) -> int:
-    """Joins that a chain of n_cells takes: doublings and the sum of its binary digits."""
-    return n_cells.bit_length() - 1 + n_cells.bit_count() - 1
+        cost += DIRECT * N * own**3 * (PARDISO if check_library("auto") == "pardiso" else 1.0)
+    return FIXED + cost / zgemm_rate()
 
 
 def _memory(solver: Solver, problem: RingProblem, jobs: int) -> float:
@@ -172,7 +170,7 @@ def _memory(solver: Solver, problem: RingProblem, jobs: int) -> float:
     if solver.name == "direct":
         return jobs * memory_needed(problem, solver.library)
     n = _section_dofs(problem)
-    matrices = 6 * (_joins(problem.n_cells) + 1) if solver.name == "recursive" else 2
+    matrices = 6 * problem.n_cells.bit_length() if solver.name == "recursive" else 2
     cell = 16.0 * (int(problem.free.sum()) + n) ** 2
     field = 16.0 * problem.n_ring_dofs * problem.n_loads * 4
     return jobs * (PROCESS_MEMORY + 16.0 * matrices * n**2 + cell + field)
