@@ -31,8 +31,8 @@ The paper's layered tyre under 2 bar (`cases/paper/figure08.toml`), {lines} line
 Times are processor time per line, median and the tenths at both ends; memory is the process's peak,
 and what of it the solver added; on disk is the results file. The difference is that of section
 displacements, largest of all sections. `modal` superposes 1000 modes, to {last}, and is compared
-at all lines, above that too. `direct` is SuperLU's; PARDISO, where MKL is installed, takes a
-quarter to a half of its time.
+at all lines, above that too. `direct` is SuperLU's; PARDISO, where MKL is installed, takes
+between a fifth and a half of its time.
 
 {machine}.
 

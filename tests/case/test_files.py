@@ -22,6 +22,7 @@ def test_the_name_of_a_case_is_its_files(tmp_path, small):
     path = tmp_path / "my-tyre.v2.toml"
     path.write_text(small)
     assert load_case(path).name == "my-tyre.v2"
+    assert load_case(str(path)) == load_case(path)
 
 
 def test_a_name_in_the_file_comes_first(tmp_path, small):

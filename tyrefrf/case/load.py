@@ -20,8 +20,9 @@ from tyrefrf.errors import CaseError, Problem
 MAX_BYTES = 10_000_000
 
 
-def load_case(path: Path) -> Case:
+def load_case(path: str | Path) -> Case:
     """Read a case file; its name is the case's, unless it gives another."""
+    path = Path(path)
     return parse_case(read_text(path), str(path), path.stem)
 
 
