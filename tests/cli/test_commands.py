@@ -246,7 +246,21 @@ def test_unwritable_output_is_one_message(case):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("command", ["", "run", "check", "plot", "info", "init", "schema"])
+COMMANDS = [
+    "run",
+    "sweep",
+    "compare",
+    "modes",
+    "dispersion",
+    "check",
+    "plot",
+    "info",
+    "init",
+    "schema",
+]
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
 def test_help_teaches(tmp_path, command):
     done = tyrefrf_command(
         *command.split(), "--help", cwd=tmp_path, env=os.environ | {"COLUMNS": "100"}

@@ -84,20 +84,18 @@ def run(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Compute the responses that CASE describes; write results and plots.
+    """Compute the responses that CASE describes.
 
     Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary with the proof of every line:
     its residual, passivity and reciprocity. Exits 0 when every line has its answer and proof, 1
     when some have not, 2 when the case is wrong.
 
-    Examples
-    --------
+    For example:
+
+    \b
       tyrefrf run case.toml
-
       tyrefrf run case.toml --solver cyclic --jobs 1 --format png --format pdf
-
       tyrefrf run case.toml --certify
-
       tyrefrf run case.toml --json > summary.json
     """
     from tyrefrf.cli.running import run_to_files
@@ -149,18 +147,17 @@ def sweep(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Compute CASE for every value of some of its parameters; write results and plots.
+    """Compute CASE for values of its parameters.
 
     Without values, a parameter takes those of the case's [sweep] table. Several parameters make
     a grid. All points are checked before the first is computed. Writes DIR/<case name>_sweep.h5
     with the parameters as leading dimensions, and DIR/plots/. Exits as run does.
 
-    Examples
-    --------
+    For example:
+
+    \b
       tyrefrf sweep --param E_rubber
-
       tyrefrf sweep case.toml --param E_rubber --values "14,28,56 MPa"
-
       tyrefrf sweep case.toml --param sector_angle --values 4,8 --param eta_rubber --log 0.01:1:5
     """
     from tyrefrf.cli.sweeping import sweep_to_files
@@ -193,21 +190,21 @@ def compare(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Solve CASE's lines by several solvers; say what each takes and how far they differ.
+    """Solve CASE's lines by several solvers.
 
-    A table like the paper's table 2: CPU time per line, peak memory, size on disk, difference to
-    direct (to the first solver named, without direct). The solvers work one after another, each
-    in a process of its own, one thread; one that runs out of memory leaves the others their
-    rows. The solver that CASE itself names keeps its options. Writes
-    DIR/<case name>_comparison.h5, .md, and overlays of the mobilities in DIR/plots/. Exits 0
-    when every solver has answered every line, else 1; 2 when the case or a name is wrong.
+    Says what each takes and how far they differ. A table like the paper's table 2: CPU time per
+    line, peak memory, size on disk, difference to direct (to the first solver named, without
+    direct). The solvers work one after another, each in a process of its own, one thread; one that
+    runs out of memory leaves the others their rows. The solver that CASE itself names keeps its
+    options. Writes DIR/<case name>_comparison.h5, .md, and overlays of the mobilities in
+    DIR/plots/. Exits 0 when every solver has answered every line, else 1; 2 when the case or a name
+    is wrong.
 
-    Examples
-    --------
+    For example:
+
+    \b
       tyrefrf compare case.toml
-
       tyrefrf compare case.toml --solvers recursive,direct --lines 20
-
       tyrefrf compare case.toml --solvers recursive,cyclic,direct,modal --json > table.json
     """
     from tyrefrf.cli.comparing import Asked, compare_to_files
@@ -215,85 +212,6 @@ def compare(
     names = tuple(name.strip() for name in solvers.split(",") if name.strip())
     asked = Asked(names, lines, output, _names(formats), force=force, json=json)
     raise typer.Exit(compare_to_files(case, asked))
-
-
-@app.command()
-def dispersion(
-    case: CaseFile = None,
-    lines: Annotated[
-        int,
-        typer.Option(
-            min=1, metavar="N", help="Frequencies, evenly spread over the case's range, without 0."
-        ),
-    ] = 100,
-    decay: Annotated[
-        float,
-        typer.Option(
-            min=0.01,
-            max=200.0,
-            metavar="DB",
-            help="Waves that lose up to DB decibels in a radian, 57 degrees, of the tyre; 20: to "
-            "a tenth.",
-        ),
-    ] = 20.0,
-    at_rest: Annotated[
-        bool, typer.Option("--at-rest", help="Leave the case's inflation away.")
-    ] = False,
-    output: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Directory; results/<case name>_dispersion by default."),
-    ] = None,
-    jobs: Jobs = None,
-    formats: Formats = None,
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Compute the free waves of the cell of CASE: circumferential order and decay over frequency.
-
-    A free wave passes from cell to cell without a load, q ~ exp(-(decay + i order) theta), running
-    or dying away in the sense of +theta; its partner runs the other way. Order is a real number:
-    where it is whole and the decay small, the ring resonates. None is missing: the waves within
-    the bound are counted by the argument principle. A ring of N cells knows the order only modulo
-    N, from -N/2 to N/2; it is negative where phase and energy run against each other. Writes
-    DIR/<case name>_dispersion.h5 and DIR/plots/, and prints a summary. Exits 0 when the waves of
-    every line are proved to be all, 1 when not, 2 when the case is wrong.
-
-    Examples
-    --------
-      tyrefrf dispersion case.toml
-
-      tyrefrf dispersion case.toml --lines 300 --decay 10 --at-rest
-
-      tyrefrf dispersion case.toml --jobs 1 --json > waves.json
-    """
-    from tyrefrf.cli.dispersion import dispersion_to_files
-
-    raise typer.Exit(
-        dispersion_to_files(
-            case,
-            output,
-            lines,
-            decay,
-            jobs,
-            _names(formats),
-            at_rest=at_rest,
-            force=force,
-            json=json,
-        )
-    )
-
-
-@app.command()
-def check(
-    case: CaseFile = None, solver: SolverOption = None, jobs: Jobs = None, json: Json = False
-) -> None:
-    """Say what CASE would compute, how finely it is meshed and what it would cost.
-
-    Computes nothing. Exits 2 when the case is wrong, with every problem of the file.
-    """
-    from tyrefrf.cli.running import check_case
-
-    check_case(case, solver, jobs, json=json)
 
 
 @app.command()
@@ -331,7 +249,7 @@ def modes(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Compute the natural modes of the tyre that CASE describes, by circumferential order.
+    """Compute natural modes by order, all of them.
 
     Modes are those without loss; their loss factors follow from the strain energy in every
     material. None is missing: their number is held against a count by inertia at every order.
@@ -340,12 +258,11 @@ def modes(
     lowest modes. Exits 0, 1 when the tyre has buckled or the count is not met, 2 when the case is
     wrong.
 
-    Examples
-    --------
+    For example:
+
+    \b
       tyrefrf modes case.toml
-
       tyrefrf modes case.toml --below 500 --at-rest
-
       tyrefrf modes case.toml --count 400 --at 200 --json > modes.json
     """
     from tyrefrf.cli.modes import modes_to_files
@@ -366,6 +283,86 @@ def modes(
 
 
 @app.command()
+def dispersion(
+    case: CaseFile = None,
+    lines: Annotated[
+        int,
+        typer.Option(
+            min=1, metavar="N", help="Frequencies, evenly spread over the case's range, without 0."
+        ),
+    ] = 100,
+    decay: Annotated[
+        float,
+        typer.Option(
+            min=0.01,
+            max=200.0,
+            metavar="DB",
+            help="Waves that lose up to DB decibels in a radian, 57 degrees, of the tyre; 20: to "
+            "a tenth.",
+        ),
+    ] = 20.0,
+    at_rest: Annotated[
+        bool, typer.Option("--at-rest", help="Leave the case's inflation away.")
+    ] = False,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; results/<case name>_dispersion by default."),
+    ] = None,
+    jobs: Jobs = None,
+    formats: Formats = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compute the free waves of CASE's cell.
+
+    Their circumferential order and decay over frequency. A free wave passes from cell to cell
+    without a load, q ~ exp(-(decay + i order) theta), running or dying away in the sense of +theta;
+    its partner runs the other way. Order is a real number: where it is whole and the decay small,
+    the ring resonates. None is missing: the waves within the bound are counted by the argument
+    principle. A ring of N cells knows the order only modulo N, from -N/2 to N/2; it is negative
+    where phase and energy run against each other. Writes DIR/<case name>_dispersion.h5 and
+    DIR/plots/, and prints a summary. Exits 0 when the waves of every line are proved to be all, 1
+    when not, 2 when the case is wrong.
+
+    For example:
+
+    \b
+      tyrefrf dispersion case.toml
+      tyrefrf dispersion case.toml --lines 300 --decay 10 --at-rest
+      tyrefrf dispersion case.toml --jobs 1 --json > waves.json
+    """
+    from tyrefrf.cli.dispersion import dispersion_to_files
+
+    raise typer.Exit(
+        dispersion_to_files(
+            case,
+            output,
+            lines,
+            decay,
+            jobs,
+            _names(formats),
+            at_rest=at_rest,
+            force=force,
+            json=json,
+        )
+    )
+
+
+@app.command()
+def check(
+    case: CaseFile = None, solver: SolverOption = None, jobs: Jobs = None, json: Json = False
+) -> None:
+    """Say what CASE would compute and cost.
+
+    And how finely it is meshed. Computes nothing. Exits 2 when the case is wrong, with every
+    problem of the file.
+    """
+    from tyrefrf.cli.running import check_case
+
+    check_case(case, solver, jobs, json=json)
+
+
+@app.command()
 def plot(
     results: ResultsFile,
     output: Annotated[
@@ -374,7 +371,10 @@ def plot(
     ] = None,
     formats: Formats = None,
 ) -> None:
-    """Draw the plots of RESULTS again, whatever command made them."""
+    """Draw the plots of RESULTS again.
+
+    Whatever command made them.
+    """
     from tyrefrf.plots import draw_plots
     from tyrefrf.results import load_any
 
@@ -385,7 +385,7 @@ def plot(
 
 @app.command()
 def info(results: ResultsFile, json: Json = False) -> None:
-    """Say what RESULTS holds and where it comes from."""
+    """Say what RESULTS holds and where from."""
     from tyrefrf.cli.contents import TOLD
     from tyrefrf.cli.report import as_json
     from tyrefrf.results import load_any
@@ -400,7 +400,10 @@ def init(
     case: Annotated[Path, typer.Argument(help="Case file to write.")] = Path("case.toml"),
     force: Force = False,
 ) -> None:
-    """Write a commented starter case, and beside it the schema that editors read."""
+    """Write a commented starter case.
+
+    And beside it the schema that editors read.
+    """
     from tyrefrf.case import case_schema, starter_text
     from tyrefrf.cli.report import as_json
 
@@ -417,9 +420,10 @@ def init(
 
 @app.command()
 def schema() -> None:
-    """Print the JSON schema of case files, for editors to complete and check them.
+    """Print the JSON schema of case files.
 
-    Name it in a case's first line: #:schema ./tyrefrf.schema.json
+    With it editors complete and check them. Name it in a case's first line: #:schema
+    ./tyrefrf.schema.json
     """
     from tyrefrf.case import case_schema
     from tyrefrf.cli.report import as_json
