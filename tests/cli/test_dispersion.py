@@ -9,6 +9,7 @@ import sys
 import pytest
 from small import TEXT, text_with
 
+from tyrefrf.cli.dispersion import _broken
 from tyrefrf.cli.main import main
 from tyrefrf.errors import SolveError
 from tyrefrf.results import load_dispersion
@@ -80,6 +81,12 @@ def test_the_file_tells_the_same(finished):
         line for line in told.stdout.splitlines() if "waves " in line
     ]
     assert "by tyrefrf" in told.stdout
+
+
+@pytest.mark.parametrize(("branches", "warned"), [(2, False), (10, True), (0, False)])
+def test_branches_too_short_to_have_been_followed_are_told(branches, warned):
+    told = _broken({"waves": [5, 5, 5, 5], "branches": branches})
+    assert [text.split()[0] for text in told] == ["warning"] * warned
 
 
 def test_json_is_one_object_and_nothing_else(finished, monkeypatch, capsys):

@@ -17,6 +17,9 @@ from tyrefrf.results.dispersion import NEPER
 
 SHOWN = 6
 """Lines in the printed table of waves; the file has them all."""
+SHORTEST = 8.0
+"""Mean length of branches, in lines, below which they are likely to be broken: 3 where 12 lines
+stand for 2 kHz of the layered tyre, 31 where 60 do for that of the homogeneous one."""
 CUT_ONS = 12
 """Cut-on frequencies in the printed summary."""
 
@@ -102,6 +105,7 @@ def describe_dispersion(facts: dict[str, Any]) -> str:
             "      f [Hz]  waves  propagating (decay in Np/rad < order)",
             *(_row(facts, line) for line in _shown(n)),
             "",
+            *_broken(facts),
             f"  cut-on    {', '.join(cut_on) or 'none'}" + (f", {more} more" * bool(more)) + " Hz",
             f"  residual  {number_text(facts['largest_residual'])} at most, "
             "||A q|| / (||A|| ||q||)",
@@ -109,6 +113,17 @@ def describe_dispersion(facts: dict[str, Any]) -> str:
             *(f"  wrote     {path}" for path in facts["files"]),
         ]
     )
+
+
+def _broken(facts: dict[str, Any]) -> list[str]:
+    """A warning where branches are so short that they cannot have been followed."""
+    length = sum(facts["waves"]) / max(facts["branches"], 1)
+    if length >= SHORTEST or not facts["branches"]:
+        return []
+    return [
+        f"  warning   branches are {length:.1f} lines long on average: too few lines to follow "
+        "them; take more --lines"
+    ]
 
 
 def _shown(n_lines: int) -> list[int]:
