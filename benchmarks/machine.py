@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-import platform
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
-from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
+
+from tyrefrf.study.machine import machine
 
 
 def description() -> str:
     """Processor, cores, versions and date in one line."""
-    import os
-
-    model = platform.processor() or platform.machine()
-    cpuinfo = Path("/proc/cpuinfo")
-    if cpuinfo.exists():
-        names = [row for row in cpuinfo.read_text().splitlines() if row.startswith("model name")]
-        model = names[0].split(":", 1)[1].strip() if names else model
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "tyrefrf"))
-    return (
-        f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}, {packages}, "
-        f"{datetime.now(UTC):%Y-%m-%d}"
+    known = machine()
+    packages = ", ".join(
+        f"{name} {known[name]}" for name in ("Python", "numpy", "scipy", "tyrefrf")
     )
+    return f"{known['processor']}, {known['cores']} cores, {packages}, {datetime.now(UTC):%Y-%m-%d}"
 
 
 def best(function: Callable[[], object], repeats: int) -> float:

@@ -8,11 +8,9 @@ is typed.
 
 from __future__ import annotations
 
-import platform
 import sys
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from importlib.metadata import version
 from itertools import combinations
 from pathlib import Path
 
@@ -27,6 +25,7 @@ from tyrefrf.solvers import Cyclic, Field, Recursive, RingProblem, prepare
 from tyrefrf.solvers import Solver as AnySolver
 from tyrefrf.solvers.modal import Modal
 from tyrefrf.solvers.modes import OrderModes, lowest, ring_modes
+from tyrefrf.study.machine import machine
 from tyrefrf.study.model import build_mesh, build_model
 
 HERE = Path(__file__).parent
@@ -54,7 +53,7 @@ def main(n_lines: int) -> None:
         "Inflated": problem_of("paper/figure08.toml"),
         "No symmetry, interior nodes": lopsided(),
     }
-    page = [HEAD.format(machine=machine(), plain=PLAIN, n=n_lines, low=BAND[0], high=BAND[1])]
+    page = [HEAD.format(machine=here(), plain=PLAIN, n=n_lines, low=BAND[0], high=BAND[1])]
     for title, (what, problem) in problems.items():
         page.append(f"## {title}\n\n{what}\n\n{proof(problem, lines)}")
     page.append(CONVERGENCE_HEAD)
@@ -98,16 +97,13 @@ cells with and without symmetry and interior nodes, against a ring assembled in 
 coordinates."""
 
 
-def machine() -> str:
+def here() -> str:
     """Processor, versions and date."""
-    cpuinfo = Path("/proc/cpuinfo")
-    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
-    names = [row.split(":", 1)[1].strip() for row in text.splitlines() if "model name" in row]
-    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "tyrefrf"))
-    return (
-        f"{names[0] if names else platform.machine()}, Python {platform.python_version()}, "
-        f"{packages}, {datetime.now(UTC):%Y-%m-%d}"
+    known = machine()
+    packages = ", ".join(
+        f"{name} {known[name]}" for name in ("Python", "numpy", "scipy", "tyrefrf")
     )
+    return f"{known['processor']}, {packages}, {datetime.now(UTC):%Y-%m-%d}"
 
 
 def problem_of(name: str) -> tuple[str, RingProblem]:

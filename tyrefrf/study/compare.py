@@ -7,14 +7,11 @@ as in the paper's table 2: on a busy machine wall times would be what others lea
 
 from __future__ import annotations
 
-import os
-import platform
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import get_args
@@ -29,6 +26,7 @@ from tyrefrf.errors import CommandError, SolveError
 from tyrefrf.results import Comparison, write_results
 from tyrefrf.results.comparison import reference_of
 from tyrefrf.solvers import Field, RingProblem, Solver, answer, prepare
+from tyrefrf.study.machine import blas, machine
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.own_process import Say, in_own_process, peak_memory
 from tyrefrf.study.run import provenance_of, results_of, sizes, static_state
@@ -169,7 +167,7 @@ def solve_alone(task: Task, say: Say) -> Answer:
     write_results(file, results)
     disk = file.stat().st_size
     file.unlink()
-    return Answer(spectrum, base_memory, memory, float(disk), _blas())
+    return Answer(spectrum, base_memory, memory, float(disk), blas())
 
 
 def _spectrum(
@@ -296,31 +294,3 @@ def _nothing(model: Model, why: str) -> Answer:
     nan, lines = float("nan"), np.full(n, np.nan)
     nowhere = np.full((problem.probes.shape[1], problem.n_loads, n), complex(nan, nan))
     return Answer(Spectrum(nowhere, lines, lines.copy(), (why,) * n, nan), nan, nan, nan, "")
-
-
-def machine() -> dict[str, str]:
-    """What a comparison is made on, in words."""
-    return {
-        "processor": _processor(),
-        "cores": str(os.cpu_count()),
-        "system": platform.platform(terse=True),
-        "Python": platform.python_version(),
-        **{name: version(name) for name in ("numpy", "scipy", "tyrefrf")},
-    }
-
-
-def _processor() -> str:
-    """The processor's name, on Linux from where the kernel says it."""
-    cpuinfo = Path("/proc/cpuinfo")
-    rows = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
-    names = [row.partition(":")[2].strip() for row in rows if row.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
-
-
-def _blas() -> str:
-    """The BLAS libraries of this process, with their threads."""
-    from threadpoolctl import threadpool_info
-
-    found = [pool for pool in threadpool_info() if pool["user_api"] == "blas"]
-    words = {f"{p['internal_api']} {p['version']}, {p['num_threads']} thread(s)" for p in found}
-    return "; ".join(sorted(words))
