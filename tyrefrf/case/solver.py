@@ -11,7 +11,7 @@ from tyrefrf.case.faults import Fault
 from tyrefrf.case.table import Table
 from tyrefrf.case.units import FREQUENCY, Quantity
 
-SolverName = Literal["recursive", "cyclic", "direct", "modal"]
+SolverName = Literal["recursive", "cyclic", "direct", "modal", "auto"]
 
 _OWNERS = {
     "library": "direct",
@@ -29,7 +29,8 @@ class Solver(Table):
     name: SolverName = Field(
         "recursive",
         description="recursive: doubling (the paper's); cyclic: one system per circumferential "
-        "order; direct: the whole ring, assembled; modal: undamped modes, superposed",
+        "order; direct: the whole ring, assembled; modal: undamped modes, superposed; auto: "
+        "recursive or cyclic, whichever is expected to be the faster",
     )
     library: Literal["auto", "superlu", "pardiso"] = Field(
         "auto",

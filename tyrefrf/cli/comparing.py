@@ -92,7 +92,8 @@ def compare_to_files(case_file: Path | None, asked: Asked) -> int:
 def cost_text(case: Case, solvers: Sequence[str], lines: int | None) -> str:
     """What a comparison is going to take, by solver."""
     from tyrefrf.case import Inflation
-    from tyrefrf.study.compare import with_lines, with_solver
+    from tyrefrf.study.choose import with_solver
+    from tyrefrf.study.compare import with_lines
     from tyrefrf.study.estimate import estimate
 
     picked = with_lines(case, lines)

@@ -33,6 +33,7 @@ class SolverName(StrEnum):
     cyclic = "cyclic"
     direct = "direct"
     modal = "modal"
+    auto = "auto"
 
 
 class PlotFormat(StrEnum):

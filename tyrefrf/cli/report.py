@@ -156,12 +156,22 @@ def describe_run(facts: dict[str, Any]) -> str:
         *([f"  adaptive  {facts['adaptive']}"] if facts["adaptive"] else []),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
+        *picked_lines(facts),
         *proof_lines(facts),
         *_certificate_lines(facts),
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),
     ]
     return "\n".join(lines)
+
+
+def picked_lines(facts: dict[str, Any]) -> list[str]:
+    """Why a solver was picked, where the case left it open."""
+    expected = {name: facts.get(f"expected_{name}") for name in ("recursive", "cyclic")}
+    texts = [f"{1e3 * s:.3g} ms by {name}" for name, s in expected.items() if s is not None]
+    if not texts:
+        return []
+    return [f"  solver    {facts['solver']}, picked: a line is expected to take {', '.join(texts)}"]
 
 
 def proof_lines(facts: dict[str, Any]) -> list[str]:
@@ -280,7 +290,7 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
         ),
         f"  cost      {'at most' if case.frequency.adaptive else 'about'} "
         f"{found.seconds:.0f} s and {found.memory / 1e6:.0f} MB "
-        f"with --jobs {jobs} ({case.solver.name})",
+        f"with --jobs {jobs} ({found.solver})",
         *(f"  warning   {warning}" for warning in found.warnings),
     ]
     return "\n".join(lines)

@@ -232,7 +232,7 @@ def _worst_of(named: Sequence[tuple[str, Results]], measure: Measure) -> dict[st
 
 def describe_sweep(facts: dict[str, Any]) -> str:
     """The summary at the end of a sweep, and what a sweep's file holds."""
-    from tyrefrf.cli.report import proof_lines
+    from tyrefrf.cli.report import picked_lines, proof_lines
 
     n_failed = len(facts["failed"])
     lines = [
@@ -246,6 +246,7 @@ def describe_sweep(facts: dict[str, Any]) -> str:
         *(f"  adaptive  {words}" for words in facts["adaptive"]),
         f"  time      {facts['seconds']:.1f} s in all, "
         f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
+        *picked_lines(facts),
         *proof_lines(facts),
         *_levels(facts),
         *(f"  remark    {remark}" for remark in facts["remarks"]),

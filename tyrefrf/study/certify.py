@@ -20,7 +20,8 @@ from tyrefrf.results import Results
 from tyrefrf.results.certificate import Certificate
 from tyrefrf.results.proof import TRUNCATED
 from tyrefrf.solvers import Maker, RingProblem, prepare, responses
-from tyrefrf.study.estimate import line_seconds
+from tyrefrf.study.choose import with_solver
+from tyrefrf.study.cost import line_seconds
 from tyrefrf.study.executor import map_unordered
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Progress, solve_spectrum
@@ -78,6 +79,7 @@ class Plan:
 
 def plan_certificate(case: Case, results: Results) -> Plan:
     """What would certify these results of a case. Raises CaseError and MeshError as a run."""
+    case = with_solver(case, results.provenance.solver)
     model = build_model(case)
     second = "recursive" if case.solver.name == "cyclic" else "cyclic"
     solved = np.flatnonzero(results.solved)

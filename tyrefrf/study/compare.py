@@ -20,12 +20,12 @@ import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
 from tyrefrf.case import Case, Frequency, SolverName, load_case, read_text
-from tyrefrf.case import Solver as Choice
 from tyrefrf.case.faults import did_you_mean
 from tyrefrf.errors import CommandError, SolveError
 from tyrefrf.results import Comparison, write_results
 from tyrefrf.results.comparison import reference_of
 from tyrefrf.solvers import Field, RingProblem, Solver, answer, prepare
+from tyrefrf.study.choose import with_solver
 from tyrefrf.study.machine import blas, machine
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.own_process import Say, in_own_process, peak_memory
@@ -104,7 +104,7 @@ def run_comparison(
 
 def known_solvers(names: Sequence[str]) -> tuple[str, ...]:
     """The names, if all are solvers' and each stands once. Raises CommandError."""
-    known = get_args(SolverName)
+    known = [name for name in get_args(SolverName) if name != "auto"]
     for name in names:
         if name not in known:
             hint = did_you_mean(name, known) or f"; there are: {', '.join(known)}"
@@ -114,13 +114,6 @@ def known_solvers(names: Sequence[str]) -> tuple[str, ...]:
     if not names:
         raise CommandError(f"no solvers to compare; name some of: {', '.join(known)}")
     return tuple(names)
-
-
-def with_solver(case: Case, name: str) -> Case:
-    """The case with another solver; its own keeps its options."""
-    if name == case.solver.name:
-        return case
-    return case.model_copy(update={"solver": Choice.model_validate({"name": name})})
 
 
 def with_lines(case: Case, n_lines: int | None) -> Case:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -12,28 +11,12 @@ from tyrefrf.case import Case, Solver
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
-from tyrefrf.solvers import Cyclic, Recursive, RingProblem
-from tyrefrf.solvers.direct import check_library
+from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.memory import memory_needed
+from tyrefrf.study.choose import decided
+from tyrefrf.study.cost import line_seconds, section_dofs
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
-
-REACHED = {"recursive": 0.8, "cyclic": 0.12}
-"""Of the machine's zgemm rate: by the recursion's operations, and by those of LAPACK's bands, the
-substitution counted with them."""
-
-CHECK, FIXED = 14_000.0, 3e-3
-"""The field and its residual, cost at the zgemm rate over N n; and seconds that any line takes.
-With these the homogeneous and the layered tyre are met within a third (benchmarks/RESULTS.md)."""
-
-DIRECT = 35.0
-"""Cost of SuperLU's `direct` at the zgemm rate over N n^3: both tyres within 10 %."""
-
-PARDISO = 0.3
-"""Of what SuperLU takes for `direct`: 0.22 on the layered tyre, 0.41 on the homogeneous one."""
-
-MODAL = 35_000.0
-"""Cost over N n: superposing 1000 modes, and the check of the field: 27 000 and 39 000."""
 
 PROCESS_MEMORY = 130e6  # bytes of a process with numpy and scipy loaded
 START_UP = 3.0  # s: imports, worker processes, plots
@@ -63,6 +46,7 @@ class Estimate:
     n_probes: int
     resolution: tuple[Resolution, ...]
     warnings: tuple[str, ...]
+    solver: str
     seconds: float
     memory: float
 
@@ -74,6 +58,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
     """
     model = build_model(case)
     mesh, problem = model.mesh, model.problem
+    solver = decided(case, problem)[0].solver
     lines = case.frequency.lines()
     laws = {name: constitutive(case.materials[name]) for name in mesh.materials}
     resolution = resolutions(mesh, laws, lines[-1])
@@ -85,7 +70,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
         n_cells=problem.n_cells,
         ring_nodes=mesh.n_own * problem.n_cells,
         ring_dofs=problem.n_ring_dofs,
-        free_section_dofs=_section_dofs(problem),
+        free_section_dofs=section_dofs(problem),
         mass=tyre_mass(problem),
         masses=_masses(case, mesh, laws),
         n_lines=len(lines),
@@ -94,8 +79,9 @@ def estimate(case: Case, jobs: int) -> Estimate:
         n_probes=len(model.probes),
         resolution=resolution,
         warnings=(*_coarse(resolution), *_small_discs(model)),
-        seconds=START_UP + len(lines) * line_seconds(case.solver.name, problem) / jobs,
-        memory=_memory(case.solver, problem, jobs),
+        solver=solver.name,
+        seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,
+        memory=_memory(solver, problem, jobs),
     )
 
 
@@ -143,48 +129,12 @@ def _small_discs(model: Model) -> list[str]:
     ]
 
 
-def _section_dofs(problem: RingProblem) -> int:
-    """Dofs of a section that move: the size of the recursion's matrices."""
-    return int(problem.free[: problem.cell.n_face].sum())
-
-
-def line_seconds(solver: str, problem: RingProblem) -> float:
-    """Seconds per line, from the operations of the solver and this machine's zgemm rate."""
-    N, own = problem.n_cells, int(problem.free.sum())
-    cost = CHECK * N * own
-    if solver == "recursive":
-        n = _section_dofs(problem)
-        inside = 8.0 * (own - n) * ((own - n) / 3.0 + 2.0 * n) ** 2
-        cost += (Recursive(problem).operations + inside) / REACHED["recursive"]
-    elif solver == "cyclic":
-        cost += Cyclic(problem).operations / REACHED["cyclic"]
-    elif solver == "modal":
-        cost = MODAL * N * own
-    else:
-        cost += DIRECT * N * own**3 * (PARDISO if check_library("auto") == "pardiso" else 1.0)
-    return FIXED + cost / zgemm_rate()
-
-
 def _memory(solver: Solver, problem: RingProblem, jobs: int) -> float:
     """Bytes that all processes take together."""
     if solver.name == "direct":
         return jobs * memory_needed(problem, solver.library)
-    n = _section_dofs(problem)
+    n = section_dofs(problem)
     matrices = 6 * problem.n_cells.bit_length() if solver.name == "recursive" else 2
     cell = 16.0 * (int(problem.free.sum()) + n) ** 2
     field = 16.0 * problem.n_ring_dofs * problem.n_loads * 4
     return jobs * (PROCESS_MEMORY + 16.0 * matrices * n**2 + cell + field)
-
-
-def zgemm_rate(n: int = 256, repeats: int = 3) -> float:
-    """Operations per second of this machine's complex matrix product, one thread."""
-    from threadpoolctl import threadpool_limits
-
-    A = np.full((n, n), 1.0 + 1.0j)
-    times = []
-    with threadpool_limits(limits=1, user_api="blas"):
-        for _ in range(repeats):
-            start = time.perf_counter()
-            _ = A @ A
-            times.append(time.perf_counter() - start)
-    return 8.0 * n**3 / min(times)

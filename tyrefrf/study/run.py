@@ -16,6 +16,7 @@ from tyrefrf.fem.inflation import Inflation
 from tyrefrf.results import Provenance, Results, StaticState
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.certify import certified, plan_certificate
+from tyrefrf.study.choose import decided_model
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Fit, Progress, Spectrum
 
@@ -49,11 +50,11 @@ def run_case(
     solved is NaN in the results, with the reason in `remark`.
     """
     start = time.perf_counter()
-    model = build_model(case)
+    model, expected = decided_model(build_model(case))
     frequency = np.array(case.frequency.lines())
-    spectrum = solve_case([model.problem], case, jobs or cores(), progress)[0]
-    seconds = time.perf_counter() - start
-    return results_of(model, frequency, spectrum, case_text, {**sizes(model), "seconds": seconds})
+    spectrum = solve_case([model.problem], model.case, jobs or cores(), progress)[0]
+    numbers = {**sizes(model), **expected, "seconds": time.perf_counter() - start}
+    return results_of(model, frequency, spectrum, case_text, numbers)
 
 
 def cores() -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
 from tyrefrf.results import SweepResults
 from tyrefrf.study.adaptive import solve_case
+from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.model import Workshop
 from tyrefrf.study.run import cores, provenance_of, results_of, sizes
 from tyrefrf.study.spectrum import Progress
@@ -49,8 +51,9 @@ def run_sweep(
     meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
     """
     start = time.perf_counter()
-    base = grid.base
     models = grid.each(Workshop().model)
+    base, expected = decided(grid.base, models[0].problem)
+    models = [replace(model, case=with_solver(model.case, base.solver.name)) for model in models]
     frequency = np.array(base.frequency.lines())
     problems = [model.problem for model in models]
     spectra = solve_case(problems, base, jobs or cores(), progress)
@@ -61,5 +64,7 @@ def run_sweep(
             results_of(model, frequency, spectrum, case_text, sizes(model))
             for model, spectrum in zip(models, spectra, strict=True)
         ),
-        provenance=provenance_of(base, case_text, {"points": len(models), "seconds": seconds}),
+        provenance=provenance_of(
+            base, case_text, {"points": len(models), **expected, "seconds": seconds}
+        ),
     )
