@@ -14,10 +14,7 @@ from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray
 from tyrefrf.solvers.banded import BandedOrders
 from tyrefrf.solvers.orders import Folded, Orders
 from tyrefrf.solvers.problem import Field, RingProblem, watched
-from tyrefrf.solvers.symmetry import Turnabout, halves, turnabout
-
-UNTOUCHED = 1e-14
-"""Part of the loads, relative to all of them, below which motions are not excited."""
+from tyrefrf.solvers.symmetry import UNTOUCHED, Turnabout, expanded, halves, turnabout
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,12 +23,6 @@ class Half:
 
     bands: BandedOrders
     f: ComplexArray
-
-    def expanded(self, x: ComplexArray) -> ComplexArray:
-        """Q x (h, n, k) of motions x (h, m, k)."""
-        Q = self.bands.Q
-        flat = Q @ x.transpose(1, 0, 2).reshape(x.shape[1], -1)
-        return flat.reshape(Q.shape[0], len(x), x.shape[2]).transpose(1, 0, 2)
 
 
 class Cyclic:
@@ -93,11 +84,11 @@ class Cyclic:
         x = np.zeros((len(self._mu), self._orders.n, len(mixed)), complex)
         back = np.zeros((*x.shape[:2], int(mixed.sum())), complex)
         for half in self._halves:
-            factor, h = half.bands.factorise(D), half.bands.h
-            x[h] = x[h] + half.expanded(factor.solve(half.f))
+            factor, h, Q = half.bands.factorise(D), half.bands.h, half.bands.Q
+            x[h] = x[h] + expanded(Q, factor.solve(half.f))
             if np.any(mixed):
                 f = half.f[..., mixed].conj()
-                back[h] = back[h] + half.expanded(factor.solve(f, transposed=True))
+                back[h] = back[h] + expanded(Q, factor.solve(f, transposed=True))
         minus = np.empty_like(x)
         if self._mirror is not None:
             minus[...] = self._phase[:, None] * self._mirror.of(x, self._mu)

@@ -15,14 +15,11 @@ from tyrefrf.solvers.cyclic import Cyclic
 from tyrefrf.solvers.mirror import MirrorChain
 from tyrefrf.solvers.problem import Field, RingProblem, watched
 from tyrefrf.solvers.ring import MOST_CHAINS, operations, ring_faces
-from tyrefrf.solvers.symmetry import Share, shares, whole
+from tyrefrf.solvers.symmetry import UNTOUCHED, Share, expanded, shares, whole
 
 RESIDUAL_TRUSTED = 1e-8
 """Residual up to which the recursion's own answer stands. Near an undamped resonance of a chain
 it loses digits long before a condition estimate calls the face singular."""
-
-UNTOUCHED = 1e-14
-"""Part of a force, relative to all of it, below which a share of the motions is not excited."""
 
 
 class Recursive:
@@ -45,7 +42,6 @@ class Recursive:
         self.problem, self.symmetries, self.most_chains = problem, symmetries, most_chains
         self._condense = Condenser(problem.cell)
         self._shares = shares(problem.cell) if symmetries else (whole(problem.cell),)
-        self._spare = Cyclic(problem)
         free = problem.free
         n, n_face = self._condense.n_face, problem.cell.n_face
         loads = problem.load_cells()
@@ -71,6 +67,11 @@ class Recursive:
         except SingularError:
             why = "a chain of cells resonates undamped here"
         return replace(self._spare.field(omega), remark=f"{why}: solved by `cyclic`")
+
+    @cached_property
+    def _spare(self) -> Cyclic:
+        """Made for the first line that needs it; few tyres have one."""
+        return Cyclic(self.problem)
 
     def _checked(self, omega: float, D: ComplexArray) -> Field:
         """The recursion's field; where nothing is lost, one load more is needed for proof."""
@@ -102,7 +103,7 @@ class Recursive:
             if np.any(excited):
                 part = share_of(cell, share)
                 own = ring_faces(part, len(q), f[:, excited], self.most_chains)
-                q[:, :, excited] += _expanded(share, own)
+                q[:, :, excited] += expanded(share.Q, own)
         moved = np.split(q, len(forces), axis=2)
         turned = [np.roll(there, c, axis=0) for c, there in zip(forces, moved, strict=True)]
         return np.sum(turned, axis=0)
@@ -139,10 +140,3 @@ def share_of(cell: Chain, share: Share) -> Chain | MirrorChain:
     if share.n_even is None:
         return Chain(1, LL, LR, Q.T @ (cell.RR @ Q))
     return MirrorChain(1, LL, LR, share.n_even)
-
-
-def _expanded(share: Share, q: ComplexArray) -> ComplexArray:
-    """(n_cells, n, m) of the section's free dofs from a share's (n_cells, n_share, m)."""
-    n_cells, n_own, m = q.shape
-    flat = share.Q @ q.transpose(1, 0, 2).reshape(n_own, -1)
-    return flat.reshape(-1, n_cells, m).transpose(1, 0, 2)

@@ -28,8 +28,11 @@ SAME_PLACE = 1e-7
 
 SAME_ENTRY = 1e-10
 """Difference of an entry from its image, relative to its row's and column's diagonal, up to which
-they match. Meshes that mirror differ by 1e-13 (steel belt); the residual of every line is computed
+they match: above what summing in another order leaves. The residual of every line is computed
 without any symmetry."""
+
+UNTOUCHED = 1e-14
+"""Part of the loads, relative to all of them, below which motions are not excited."""
 
 AROUND, ACROSS, TURNED = (1, -1), (-1, 1), (-1, -1)
 """Signs of y and of theta (about the cell's middle) under each reflection."""
@@ -75,6 +78,12 @@ def halves(cell: CellMatrices) -> tuple[csc_array, ...]:
     if across is None:
         return (eye_array(int(free.sum()), format="csc"),)
     return _eigenvectors(_on(across, free))
+
+
+def expanded(Q: csc_array, x: ComplexArray) -> ComplexArray:
+    """Q x (j, n, k) of motions x (j, m, k) in the basis Q (n, m)."""
+    flat = Q @ x.transpose(1, 0, 2).reshape(x.shape[1], -1)
+    return flat.reshape(Q.shape[0], len(x), x.shape[2]).transpose(1, 0, 2)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
