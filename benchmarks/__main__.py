@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from benchmarks import accuracy, element_accuracy, footprint, machine, speed, sweep
+from benchmarks import accuracy, adaptive, element_accuracy, footprint, machine, speed, sweep
 
 HERE = Path(__file__).parent
 IN_README = ("Speed", "Accuracy of the solvers", "A whole run")
@@ -15,6 +15,7 @@ SECTIONS = {
     "Accuracy of the elements": element_accuracy.table,
     "A whole run": footprint.measured,
     "A sweep": sweep.measured,
+    "Adaptive lines": adaptive.measured,
 }
 
 

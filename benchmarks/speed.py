@@ -5,6 +5,7 @@
 One thread. A line is everything: forming D, condensing, joining, closing the ring, recovering
 the whole field and its residual. `plain` is the recursion as the paper writes it, without the
 symmetries of the cell and with one chain all around: its joins are what the operations count.
+`direct` is SuperLU's, and where MKL is installed PARDISO's too.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.machine import best, description, table, zgemm_rate
 from tyrefrf.case import Case, builtin_text, parse_case, starter_text
-from tyrefrf.solvers import SOLVERS, Recursive, solve_line
+from tyrefrf.solvers import SOLVERS, Direct, Recursive, mkl, solve_line
 from tyrefrf.solvers.chain import Chain
 from tyrefrf.solvers.ring import steps
 from tyrefrf.study.model import build_model
@@ -34,7 +35,9 @@ BUILD = {
     "plain": lambda problem: Recursive(problem, symmetries=False, most_chains=1),
     **SOLVERS,
 }
-SLOW = ("direct", "plain")
+if mkl.installed():
+    BUILD |= {"direct, PARDISO": Direct, "direct": lambda problem: Direct(problem, "superlu")}
+SLOW = ("direct", "direct, PARDISO", "plain")
 
 
 def join_operations(n: int) -> float:

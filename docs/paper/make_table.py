@@ -14,6 +14,7 @@ from pathlib import Path
 from tyrefrf.cli.comparing import comparison_summary, in_markdown, pair_table, table_of
 from tyrefrf.plots import draw_plots
 from tyrefrf.results import Comparison
+from tyrefrf.solvers.direct import check_library
 from tyrefrf.study.compare import compare
 
 HERE = Path(__file__).parent
@@ -31,8 +32,7 @@ The paper's layered tyre under 2 bar (`cases/paper/figure08.toml`), {lines} line
 Times are processor time per line, median and the tenths at both ends; memory is the process's peak,
 and what of it the solver added; on disk is the results file. The difference is that of section
 displacements, largest of all sections. `modal` superposes 1000 modes, to {last}, and is compared
-at all lines, above that too. `direct` is SuperLU's; PARDISO, where MKL is installed, takes
-between a fifth and a half of its time.
+at all lines, above that too. `direct` factorises by {library}.
 
 {machine}.
 
@@ -82,6 +82,7 @@ def page_of(measured: Comparison) -> str:
         table=in_markdown(table_of(facts)),
         pairs=in_markdown(pair_table(facts)),
         machine=machine,
+        library=check_library("auto"),
         last=min(remarks).rpartition("at ")[2] if remarks else "above the last line",
     )
 
