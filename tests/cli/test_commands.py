@@ -8,24 +8,13 @@ import sys
 
 import numpy as np
 import pytest
+from command import tyrefrf_command
 from small import TEXT, text_with
 
 import tyrefrf
 from tyrefrf.cli.main import main
 from tyrefrf.errors import SingularError
 from tyrefrf.solvers import SOLVERS, Recursive
-
-
-def tyrefrf_command(*arguments, cwd, **more):
-    return subprocess.run(
-        [sys.executable, "-m", "tyrefrf", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=120,
-        check=False,
-        **more,
-    )
 
 
 @pytest.fixture

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 import sys
 
+import command
 import numpy as np
 import pytest
 import xarray
@@ -60,14 +60,7 @@ def finished(tmp_path_factory):
     directory = tmp_path_factory.mktemp("compare")
     (directory / "small.toml").write_text(ONE_LOAD)
     arguments = ["compare", "small.toml", "--solvers", "recursive, cyclic", "--format", "svg"]
-    done = subprocess.run(
-        [sys.executable, "-m", "tyrefrf", *arguments],
-        capture_output=True,
-        text=True,
-        cwd=directory,
-        timeout=120,
-        check=False,
-    )
+    done = command.tyrefrf_command(*arguments, cwd=directory)
     return directory, done
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 
 import pytest
+from command import tyrefrf_command
 from small import TEXT, text_with
 
 from tyrefrf.cli.dispersion import _broken
@@ -14,17 +14,6 @@ from tyrefrf.cli.main import main
 from tyrefrf.errors import SolveError
 from tyrefrf.results import load_dispersion
 from tyrefrf.solvers.waves import FreeWaves
-
-
-def tyrefrf_command(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "tyrefrf", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=120,
-        check=False,
-    )
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 import xarray
+from command import tyrefrf_command
 from small import TEXT
 
 import tyrefrf
@@ -22,17 +22,6 @@ from tyrefrf.solvers import SOLVERS, Recursive
 from tyrefrf.study.run import run_case
 
 OWN = '\n[sweep]\nE_rubber = ["40 MPa", "80 MPa"]\n'
-
-
-def tyrefrf_command(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "tyrefrf", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=120,
-        check=False,
-    )
 
 
 @pytest.fixture
@@ -286,13 +275,8 @@ def test_values_belong_to_the_parameter_before_them(given, wanted):
 
 
 def test_help_teaches(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "tyrefrf", "sweep", "--help"],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        check=True,
-        env=os.environ | {"COLUMNS": "100"},
-    )
+    wide = os.environ | {"COLUMNS": "100"}
+    done = tyrefrf_command("sweep", "--help", cwd=tmp_path, env=wide)
+    assert done.returncode == 0
     for word in ("--param", "--values", "--range", "--log", "E_rubber", "sector_angle"):
         assert word in done.stdout

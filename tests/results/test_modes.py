@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 import xarray
+from hdf5 import undescribed
 from small import case_with
 
 from tyrefrf.arrays import ComplexArray
@@ -154,6 +155,11 @@ def test_xarray_opens_it_as_it_is(inflated, tmp_path):
     with xarray.open_datatree(path, engine="h5netcdf") as tree:
         assert tree["section"]["points"].sizes["node"] == inflated.section.n_nodes
         assert tree["inflation"]["pressure"].item() == 0.5e5
+
+
+def test_every_dataset_names_its_axes_units_and_meaning(inflated, tmp_path):
+    write_modes(tmp_path / "modes.h5", inflated)
+    assert undescribed(tmp_path / "modes.h5") == []
 
 
 def test_a_file_of_modes_is_not_a_run(found, tmp_path):
