@@ -11,11 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.fem.assembly import CellMatrices
+from tyrefrf.fem.relaxation import Relaxation, Scaling
 from tyrefrf.solvers.modes import OrderModes
 from tyrefrf.solvers.orders import Folded, Orders
 
@@ -43,28 +45,40 @@ def modal_loss(
     """
     orders = Orders(cell)
     C = orders.folded(cell.C)
-    stated = None if at is None else _materials(cell, orders, at)
+    K = [_Material(cell.relaxation[name], K, orders) for name, K in cell.K.items()]
     found = []
     for one in modes:
-        mu, phi, omega = 2.0 * np.pi * one.order / n_cells, one.shapes, one.omega
-        energy = np.empty((2, len(cell.K), len(omega)))
-        if stated is not None:
-            energy[:] = [[_form(orders, K, mu, phi) for K in part] for part in stated]
-        else:
-            for j, w in enumerate(omega):
-                own, shape = _materials(cell, orders, w), phi[:, [j]]
-                energy[:, :, j] = [[_form(orders, K, mu, shape)[0] for K in part] for part in own]
-        viscous = omega * _form(orders, C, mu, phi)
-        found.append(_shared(omega, energy, viscous))
+        mu, phi = 2.0 * np.pi * one.order / n_cells, one.shapes
+        moduli_at = one.omega if at is None else np.full(len(one.omega), at)
+        energy = np.stack([material.energy(mu, phi, moduli_at) for material in K], axis=1)
+        found.append(_shared(one.omega, energy, one.omega * _form(orders, C, mu, phi)))
     return tuple(found)
 
 
-def _materials(
-    cell: CellMatrices, orders: Orders, omega: float
-) -> tuple[list[Folded], list[Folded]]:
-    """K' and K'' of every material at omega [rad/s], folded."""
-    K = [cell.relaxation[name].stiffness(K, omega) for name, K in cell.K.items()]
-    return [orders.folded(X.real) for X in K], [orders.folded(X.imag) for X in K]
+class _Material:
+    """The stiffness of one material."""
+
+    def __init__(self, relaxation: Relaxation, K: FloatArray, orders: Orders) -> None:
+        self._relaxation, self._K, self._orders = relaxation, K, orders
+
+    @cached_property
+    def _reference(self) -> Folded:
+        """Its reference stiffness, which is all that is needed where frequency only scales it."""
+        return self._orders.folded(self._K)
+
+    def energy(self, mu: float, phi: ComplexArray, omega: FloatArray) -> FloatArray:
+        """phi^H K' phi and phi^H K'' phi (2, m) of shapes (n, m), each at its omega (m,)."""
+        relaxation, orders = self._relaxation, self._orders
+        if isinstance(relaxation, Scaling):
+            scale = np.array([relaxation.modulus.scale(w) for w in omega], complex)
+            return np.stack([scale.real, scale.imag]) * _form(orders, self._reference, mu, phi)
+        found = np.empty((2, len(omega)))
+        for w in np.unique(omega):
+            here = omega == w
+            K = relaxation.stiffness(self._K, w)
+            for part, X in zip(found, (K.real, K.imag), strict=True):
+                part[here] = _form(orders, orders.folded(X), mu, phi[:, here])
+        return found
 
 
 def _form(orders: Orders, X: Folded, mu: float, phi: ComplexArray) -> FloatArray:
