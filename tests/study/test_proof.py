@@ -107,8 +107,9 @@ def test_a_field_that_is_off_is_a_breach_of_its_residual(monkeypatch):
                 return sound
             push = np.random.default_rng(1).standard_normal(sound.q.shape)
             push[:, ~self.problem.free] = 0.0
-            size = Field.checked(self.problem, omega, push).residual
-            return Field.checked(self.problem, omega, sound.q + 5e-8 / size * push)
+            D = self.problem.cell.dynamic_stiffness(omega)
+            size = Field.checked(self.problem, D, push).residual
+            return Field.checked(self.problem, D, sound.q + 5e-8 / size * push)
 
     monkeypatch.setitem(SOLVERS, "cyclic", Off)
     results = run_case(case_with(by("cyclic")), jobs=1)

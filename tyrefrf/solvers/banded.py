@@ -1,8 +1,9 @@
-"""All circumferential orders of a ring in one banded factorisation.
+"""The circumferential orders of a ring in banded factorisations.
 
-Numbered along the profile, A_h is a narrow band. The bands of all orders stand one after another
-in one matrix for LAPACK, which factorises them in one go, and serves A_-h = A_h^T too. Where each
-entry of the cell's matrix goes is found once: a line then costs two products and LAPACK's work.
+Numbered along the profile, A_h is a narrow band. The bands of several orders stand one after
+another in one matrix for LAPACK, as many as stay in a core's cache until they are solved for; the
+factor of A_h serves A_-h = A_h^T too. Where each entry of the cell's matrix goes is found once: a
+line then costs two products and LAPACK's work.
 """
 
 from __future__ import annotations
@@ -17,6 +18,9 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
 from tyrefrf.errors import SingularError
 from tyrefrf.solvers.orders import Folded, Orders
+
+CACHED = 1 << 15
+"""Complex numbers that are factorised at once; 512 KiB."""
 
 
 class BandedOrders:
@@ -40,14 +44,35 @@ class BandedOrders:
         shape = len(used), orders.pattern.nnz
         self._collect = csr_array((weights, (place, entries)), shape=shape)
         self._used = used
+        of_one = self.m * self._height
+        self._at_once = max(1, CACHED // of_one)
+        self._workspace = np.empty((min(len(h), self._at_once), of_one), complex)
 
-    def factorise(self, D: Folded) -> BandedFactor:
-        """LU factors of all these orders. Raises SingularError where a pivot is exactly zero."""
+    def solve(
+        self, D: Folded, f: ComplexArray, g: ComplexArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """A_h^-1 f_h and A_h^-T g_h for right-hand sides f (h, m, k) and g (h, m, l).
+
+        Raises SingularError where a pivot is exactly zero.
+        """
         parts = np.stack([D.straight, D.on, D.back], axis=1)
-        band = np.zeros((3, self.m * self._height), complex)
-        band[:, self._used] = (self._collect @ parts.view(float)).view(complex).T
-        stacked = (self._turns @ band).reshape(-1, self._height)
-        lu, pivots, info = lapack.zgbtrf(stacked.T, self.width, self.width, overwrite_ab=True)
+        entries = (self._collect @ parts.view(float)).view(complex).T
+        x, y = np.empty_like(f), np.empty_like(g)
+        for start in range(0, len(self.h), self._at_once):
+            block = slice(start, start + self._at_once)
+            factor = self._factorised(self._turns[block] @ entries)
+            x[block] = factor.solve(f[block])
+            if g.size:
+                y[block] = factor.solve(g[block], transposed=True)
+        return x, y
+
+    def _factorised(self, entries: ComplexArray) -> BandedFactor:
+        """The factor, good until the next, of orders whose entries (h, slots) these are."""
+        band = self._workspace[: len(entries)]
+        band[...] = 0.0
+        band[:, self._used] = entries
+        ab = band.reshape(-1, self._height).T
+        lu, pivots, info = lapack.zgbtrf(ab, self.width, self.width, overwrite_ab=True)
         if info > 0:
             raise SingularError("exactly singular: the tyre resonates undamped on this line")
         return BandedFactor(lu, pivots, self.width)
@@ -63,10 +88,9 @@ class BandedFactor:
 
     def solve(self, f: ComplexArray, *, transposed: bool = False) -> ComplexArray:
         """A_h^-1 f_h, or A_h^-T f_h, for right-hand sides (h, m, k)."""
-        n_orders, m, k = f.shape
-        b = f.reshape(n_orders * m, k)
+        b = f.reshape(-1, f.shape[2])
         x, _ = lapack.zgbtrs(self.lu, self.width, self.width, b, self.pivots, trans=int(transposed))
-        return x.reshape(n_orders, m, k)
+        return x.reshape(f.shape)
 
 
 def _projected(pattern: csc_array, Q: csc_array) -> tuple[IntArray, IntArray, IntArray, FloatArray]:

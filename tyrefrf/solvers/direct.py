@@ -52,8 +52,9 @@ class Direct:
         """Solve one line; omega [rad/s]. Raises SingularError if the ring resonates undamped."""
         cell, watched = self.problem.cell, self._watched
         q = np.zeros((watched.n_ring_dofs, watched.n_loads), complex)
-        q[self._free], remark = self._system.solve(cell.dynamic_stiffness(omega), self._f)
-        field = Field.checked(watched, omega, q.reshape(watched.n_cells, cell.n_own, -1))
+        D = cell.dynamic_stiffness(omega)
+        q[self._free], remark = self._system.solve(D, self._f)
+        field = Field.checked(watched, D, q.reshape(watched.n_cells, cell.n_own, -1))
         return replace(field.without_last(), remark=remark)
 
 

@@ -113,7 +113,8 @@ class Modal:
 
     def field(self, omega: float) -> Field:
         """Superpose one line; omega [rad/s]. Raises SingularError if a mode resonates undamped."""
-        field = Field.checked(self.problem, omega, self._superposed(omega) + self._correction)
+        D = self.problem.cell.dynamic_stiffness(omega)
+        field = Field.checked(self.problem, D, self._superposed(omega) + self._correction)
         if omega <= self._last:
             return field
         hertz = self._last / (2.0 * np.pi)

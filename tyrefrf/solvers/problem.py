@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, hstack
 
-from tyrefrf.arrays import BoolArray, ComplexArray
+from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from tyrefrf.errors import SolveError
 from tyrefrf.fem.assembly import CellMatrices
 
@@ -17,7 +18,7 @@ RESIDUAL_MAX = 1e-6
 homogeneous: 4e-13), an undamped resonance of the ring on the line gives 0.02 to 3."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class RingProblem:
     """N equal cells around the axle, with loads and probes as sparse columns.
 
@@ -54,16 +55,27 @@ class RingProblem:
         """Dofs of the whole ring, fixed ones included."""
         return self.n_cells * self.cell.n_own
 
+    @cached_property
+    def forces(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """Cell, own dof, load and force [N] of everything that acts, in arrays of equal length."""
+        loads = self.loads.tocoo()
+        loads.sum_duplicates()
+        cell, dof = np.divmod(loads.row, self.cell.n_own)
+        return cell, dof, loads.col, loads.data
+
+    @cached_property
+    def load_sizes(self) -> FloatArray:
+        """(n_loads,) norms [N] of what acts on dofs that move."""
+        _, dof, load, f = self.forces
+        return np.sqrt(np.bincount(load, np.abs(f) ** 2 * self.free[dof], self.n_loads))
+
     def load_cells(self) -> dict[int, ComplexArray]:
         """Forces (n_own, n_loads) by cell, of the cells that carry any."""
-        n_own = self.cell.n_own
-        coo = self.loads.tocoo()
-        forces = {
-            int(c): np.zeros((n_own, self.n_loads), complex) for c in np.unique(coo.row // n_own)
-        }
-        for row, column, value in zip(coo.row, coo.col, coo.data, strict=True):
-            forces[int(row // n_own)][row % n_own, column] += value
-        return forces
+        shape = self.cell.n_own, self.n_loads
+        found = {int(c): np.zeros(shape, complex) for c in np.unique(self.forces[0])}
+        for cell, dof, load, force in zip(*self.forces, strict=True):
+            found[int(cell)][dof, load] = force
+        return found
 
 
 def watched(problem: RingProblem) -> RingProblem:
@@ -97,14 +109,16 @@ class Field:
     remark: str = ""
 
     @classmethod
-    def checked(cls, problem: RingProblem, omega: float, q: ComplexArray) -> Field:
-        """A solver's q with what the uncondensed equations say of it."""
-        f = problem.loads.toarray().reshape(problem.n_cells, problem.cell.n_own, -1)
-        remainder = f - ring_forces(problem, omega, q)
-        lack, load = (
-            np.linalg.norm(force[:, problem.free], axis=(0, 1)) for force in (remainder, f)
-        )
-        return cls(q, remainder, float(np.max(lack / load)))
+    def checked(cls, problem: RingProblem, D: ComplexArray, q: ComplexArray) -> Field:
+        """A solver's q with what the uncondensed equations say of it.
+
+        D: entries (nnz,) of the cell's dynamic stiffness on this line.
+        """
+        remainder = -ring_forces(problem, D, q)
+        cell, dof, load, f = problem.forces
+        remainder[cell, dof, load] += f
+        lack = norms(np.moveaxis(remainder, 1, 0)[problem.free])
+        return cls(q, remainder, float(np.max(lack / problem.load_sizes)))
 
     def without_last(self) -> Field:
         """The field of all loads but the last, with the residual of all."""
@@ -175,13 +189,21 @@ def responses(problem: RingProblem, field: Field) -> ComplexArray:
     return problem.probes.T @ seen.reshape(problem.n_ring_dofs, -1)
 
 
-def ring_forces(problem: RingProblem, omega: float, q: ComplexArray) -> ComplexArray:
-    """D q of the whole ring, cell by cell, from uncondensed matrices: (n_cells, n_own, n_loads)."""
-    cell, N = problem.cell, problem.n_cells
-    D = cell.sparse(cell.dynamic_stiffness(omega))
-    with_right = np.concatenate([q, np.roll(q[:, : cell.n_face], -1, axis=0)], axis=1)
-    columns = with_right.transpose(1, 0, 2).reshape(cell.n_dofs, -1)
-    G = (D @ columns).reshape(cell.n_dofs, N, -1).transpose(1, 0, 2)
-    own = G[:, : cell.n_own].copy()
-    own[:, : cell.n_face] += np.roll(G[:, cell.n_own :], 1, axis=0)
-    return own
+def ring_forces(problem: RingProblem, D: ComplexArray, q: ComplexArray) -> ComplexArray:
+    """D q of the whole ring, cell by cell, from uncondensed matrices: (n_cells, n_own, n_loads).
+
+    Works dof by dof, all cells at once, as does q where it is a view of such an array.
+    """
+    cell = problem.cell
+    own = np.moveaxis(q, 1, 0)
+    both = np.concatenate([own, np.roll(own[: cell.n_face], -1, axis=1)])
+    G = (cell.sparse(D) @ both.reshape(cell.n_dofs, -1)).reshape(both.shape)
+    forces = G[: cell.n_own]
+    forces[: cell.n_face] += np.roll(G[cell.n_own :], 1, axis=1)
+    return np.moveaxis(forces, 0, 1)
+
+
+def norms(x: ComplexArray) -> FloatArray:
+    """(k,) of the columns of x (..., k)."""
+    columns = x.reshape(-1, x.shape[-1])
+    return np.sqrt(np.einsum("nk,nk->k", columns.conj(), columns).real)

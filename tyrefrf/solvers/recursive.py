@@ -15,7 +15,7 @@ from tyrefrf.solvers.cyclic import Cyclic
 from tyrefrf.solvers.mirror import MirrorChain
 from tyrefrf.solvers.problem import Field, RingProblem, watched
 from tyrefrf.solvers.ring import MOST_CHAINS, operations, ring_faces
-from tyrefrf.solvers.symmetry import UNTOUCHED, Share, expanded, shares, whole
+from tyrefrf.solvers.symmetry import UNTOUCHED, Share, mapped, shares, whole
 
 RESIDUAL_TRUSTED = 1e-8
 """Residual up to which the recursion's own answer stands. Near an undamped resonance of a chain
@@ -60,7 +60,7 @@ class Recursive:
         """Solve one line; omega [rad/s]. Raises SingularError if the ring itself resonates."""
         D = self.problem.cell.dynamic_stiffness(omega)
         try:
-            field = self._checked(omega, D)
+            field = self._checked(D)
             if field.residual <= RESIDUAL_TRUSTED:
                 return field
             why = f"a chain of cells nearly resonates here (residual {field.residual:.0e})"
@@ -73,12 +73,12 @@ class Recursive:
         """Made for the first line that needs it; few tyres have one."""
         return Cyclic(self.problem)
 
-    def _checked(self, omega: float, D: ComplexArray) -> Field:
+    def _checked(self, D: ComplexArray) -> Field:
         """The recursion's field; where nothing is lost, one load more is needed for proof."""
         if np.any(D.imag):
-            return Field.checked(self.problem, omega, self._solve(D))
+            return Field.checked(self.problem, D, self._solve(D))
         watching = self._watching
-        return Field.checked(watching.problem, omega, watching._solve(D)).without_last()
+        return Field.checked(watching.problem, D, watching._solve(D)).without_last()
 
     @cached_property
     def _watching(self) -> Recursive:
@@ -103,7 +103,7 @@ class Recursive:
             if np.any(excited):
                 part = share_of(cell, share)
                 own = ring_faces(part, len(q), f[:, excited], self.most_chains)
-                q[:, :, excited] += expanded(share.Q, own)
+                q[:, :, excited] += np.moveaxis(mapped(share.Q, np.moveaxis(own, 0, 1)), 1, 0)
         moved = np.split(q, len(forces), axis=2)
         turned = [np.roll(there, c, axis=0) for c, there in zip(forces, moved, strict=True)]
         return np.sum(turned, axis=0)

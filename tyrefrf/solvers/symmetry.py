@@ -80,10 +80,9 @@ def halves(cell: CellMatrices) -> tuple[csc_array, ...]:
     return _eigenvectors(_on(across, free))
 
 
-def expanded(Q: csc_array, x: ComplexArray) -> ComplexArray:
-    """Q x (j, n, k) of motions x (j, m, k) in the basis Q (n, m)."""
-    flat = Q @ x.transpose(1, 0, 2).reshape(x.shape[1], -1)
-    return flat.reshape(Q.shape[0], len(x), x.shape[2]).transpose(1, 0, 2)
+def mapped(Q: csc_array | csr_array, x: ComplexArray) -> ComplexArray:
+    """Q x (n, j, k) of motions x (m, j, k) in the basis Q (n, m)."""
+    return (Q @ x.reshape(len(x), x[0].size)).reshape(Q.shape[0], *x.shape[1:])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,10 +98,11 @@ class Turnabout:
     inside: BoolArray
 
     def of(self, x: ComplexArray, mu: FloatArray) -> ComplexArray:
-        """R x of motions x (h, n, k) of the orders with these mu (h,)."""
+        """R x of motions x (n, h, k) of the orders with these mu (h,)."""
         turned = np.empty_like(x)
-        turn = np.where(self.inside, np.exp(-1j * mu)[:, None], 1.0)
-        turned[:, self.image] = (self.sign * turn)[..., None] * x
+        turned[self.image] = self.sign[:, None, None] * x
+        inside = self.image[self.inside]
+        turned[inside] *= np.exp(-1j * mu)[:, None]
         return turned
 
 
