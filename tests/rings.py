@@ -84,8 +84,7 @@ class Ring:
 
     def with_free_rim(self) -> Ring:
         """The same tyre, held by nothing."""
-        section = replace(self.mesh.section, rim=np.empty(0, np.int64))
-        return replace(self, mesh=replace(self.mesh, section=section))
+        return replace(self, mesh=replace(self.mesh, rim=np.empty(0, np.int64)))
 
 
 def tyre(

@@ -69,15 +69,7 @@ def read_cell(name: str) -> CellMesh:
     n_nodes = 20 if len(interior) else 8
     theirs = np.array(bricks, dtype=np.int64).reshape(-1, 1 + n_nodes)[:, 1:] - 1
     section, planes = _section(points, ours[theirs], ours[right], ours[left])
-    mesh = CellMesh(
-        points=points,
-        bricks=ours[theirs],
-        material=np.zeros(len(theirs), dtype=np.int64),
-        materials=("rubber",),
-        planes=planes,
-        section=section,
-        sector_angle=SECTOR,
-    )
+    mesh = CellMesh.over(section, points, ours[theirs], planes, SECTOR)
     assert set(mesh.rim) == set(ours[rim])
     return mesh
 

@@ -24,7 +24,6 @@ from tyrefrf.fem.prestress import TENSOR, Deformed, geometric_stiffness
 from tyrefrf.fem.relaxation import Reassembly, Relaxation
 from tyrefrf.fem.statics import PeriodicCell
 from tyrefrf.mesh.cell import CellMesh
-from tyrefrf.mesh.surface import Surface
 
 CONVERGED = 1e-10  # ||f - f_int|| / ||f|| of a Newton iteration
 MAX_ITERATIONS = 15  # of a load step; the paper's tyre at 2 bar takes seven
@@ -119,7 +118,7 @@ class Inflatable:
         self._periodic = PeriodicCell(cell)
         self._R = axes(mesh.points[:, 2])
         self._T = rotations(mesh.points[mesh.bricks, 2])
-        self._faces = Surface(mesh, "inner").faces()
+        self._faces = mesh.inside
         self._bricks = list(self._by_material(static, dynamic))
 
     def linear(self, pressure: float) -> Inflation:

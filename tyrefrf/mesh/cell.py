@@ -1,4 +1,4 @@
-"""The angular cell: a section revolved by the sector angle, in one or more bricks."""
+"""The angular cell: bricks between two sections, mostly one section revolved."""
 
 from __future__ import annotations
 
@@ -19,8 +19,13 @@ class CellMesh:
     bricks: (e, 8) or (e, 20) node numbers in Abaqus order, natural axes along (r, y, theta).
     material: (e,) index into `materials`.
     planes: (p, n_section) the node that stands at a plane of constant theta over a section
-        node, -1 where none does (quadratic bricks have only corners half-way).
-    section: what was revolved.
+        node, -1 where none does (quadratic bricks have only corners half-way). The first is the
+        left section, the last the right one; a cell that was not revolved has no others.
+    rim: numbers of the nodes on the rim, anywhere in the cell.
+    inside: (f, 4) or (f, 8) nodes of the brick faces under the inner pressure, in the order of
+        QUAD4 or QUAD8; the product of the first natural axis with the second points out of the
+        tyre's cavity, into the wall.
+    section: what was revolved; else the left faces of the bricks.
     sector_angle: [rad].
     """
 
@@ -29,8 +34,36 @@ class CellMesh:
     material: IntArray
     materials: tuple[str, ...]
     planes: IntArray
+    rim: IntArray
+    inside: IntArray
     section: SectionMesh
     sector_angle: float
+
+    @classmethod
+    def over(
+        cls,
+        section: SectionMesh,
+        points: FloatArray,
+        bricks: IntArray,
+        planes: IntArray,
+        sector_angle: float,
+    ) -> CellMesh:
+        """A revolved section: its materials, rim and inner surface are the cell's.
+
+        bricks: layer after layer, each in the order of the section's elements.
+        """
+        on_rim = planes[:, section.rim].ravel()
+        return cls(
+            points=points,
+            bricks=bricks,
+            material=np.tile(section.material, len(bricks) // section.n_elements),
+            materials=section.materials,
+            planes=planes,
+            rim=on_rim[on_rim >= 0],
+            inside=faces_over(planes, section.inner),
+            section=section,
+            sector_angle=sector_angle,
+        )
 
     @property
     def n_nodes(self) -> int:
@@ -46,12 +79,6 @@ class CellMesh:
     def n_own(self) -> int:
         """Nodes that the cell brings to the ring: all but the right section's."""
         return self.n_nodes - self.n_face
-
-    @property
-    def rim(self) -> IntArray:
-        """Node numbers on the rim, in every plane."""
-        nodes = self.planes[:, self.section.rim].ravel()
-        return nodes[nodes >= 0]
 
     @property
     def cartesian(self) -> FloatArray:
@@ -83,15 +110,31 @@ def revolve(section: SectionMesh, sector_angle: float, elements_around: int) -> 
         if quadratic:
             nodes.append(planes[low + 1][section.quads[:, :4]])
         layers.append(np.hstack(nodes))
-    return CellMesh(
-        points=points,
-        bricks=np.vstack(layers),
-        material=np.tile(section.material, elements_around),
-        materials=section.materials,
-        planes=planes,
-        section=section,
-        sector_angle=sector_angle,
-    )
+    return CellMesh.over(section, points, np.vstack(layers), planes, sector_angle)
+
+
+def faces_over(planes: IntArray, edges: IntArray) -> IntArray:
+    """Nodes (f, 4) or (f, 8) of the brick faces over edges (k, 2) or (k, 3) of the section.
+
+    In the order of QUAD4 or QUAD8, edge by edge and then layer by layer: the first natural axis
+    along the edge, the second around the axle.
+    """
+    n_layers = (len(planes) - 1) // (edges.shape[1] - 1)
+    edge, layer = np.meshgrid(np.arange(len(edges)), np.arange(n_layers), indexing="ij")
+    return face_nodes(planes, edges[edge.ravel()], layer.ravel())
+
+
+def face_nodes(planes: IntArray, edges: IntArray, layer: IntArray) -> IntArray:
+    """Nodes (m, 4) or (m, 8) of the face over each edge (m, 2) or (m, 3) in a layer (m,)."""
+    ends = edges.T
+    if len(ends) == 2:
+        low, high = layer, layer + 1
+        order = [(low, 0), (low, 1), (high, 1), (high, 0)]
+    else:
+        low, middle, high = 2 * layer, 2 * layer + 1, 2 * layer + 2
+        order = [(low, 0), (low, 1), (high, 1), (high, 0)]
+        order += [(low, 2), (middle, 1), (high, 2), (middle, 0)]
+    return np.stack([planes[plane, ends[end]] for plane, end in order], axis=1)
 
 
 def _number_planes(section: SectionMesh, n_planes: int, step: int) -> IntArray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.errors import MeshError
-from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.cell import CellMesh, face_nodes
 from tyrefrf.mesh.shapes import LINE2, LINE3, QUAD4, QUAD8, shape
 
 NEWTON_STEPS = 20  # quadratic edges converge in four; linear ones in one
@@ -51,7 +51,7 @@ class Surface:
         """The places at arc-length fractions s (m,) in [0, 1] and angles (m,) [rad]."""
         edge, xi = self._on_line(s)
         cell, layer, phi = self._in_layer(angle)
-        nodes = self._face_nodes(edge, layer)
+        nodes = face_nodes(self.mesh.planes, self.edges[edge], layer)
         zeta = self._around(nodes, xi, phi)
         quad = QUAD8 if len(self._line) == 3 else QUAD4
         N, _ = shape(quad, np.stack([xi, zeta], axis=1))
@@ -80,16 +80,6 @@ class Surface:
         r = np.einsum("ma,ma->m", shape(self._line, xi[:, None])[0], self._points[edge, :, 0])
         share = np.repeat(w / 2.0 / n_angles, n_angles)
         return self.spots(s + along, angle + around / r), share
-
-    def faces(self) -> IntArray:
-        """Cell nodes (f, 4) or (f, 8) of all brick faces of one cell on the surface.
-
-        In the order of QUAD4 or QUAD8, the first natural axis along the profile from y < 0 to
-        y > 0, the second around the axle: at the crown their product points outwards.
-        """
-        n_layers = (len(self.mesh.planes) - 1) // (2 if len(self._line) == 3 else 1)
-        edge, layer = np.meshgrid(np.arange(len(self.edges)), np.arange(n_layers), indexing="ij")
-        return self._face_nodes(edge.ravel(), layer.ravel())
 
     def nearest(self, s: float, angle: float) -> tuple[int, int]:
         """The node nearest to a place: its number in the section and its plane in the ring.
@@ -149,18 +139,6 @@ class Surface:
         whole = np.floor(position).astype(np.int64)
         cell = whole // n_layers
         return cell % n_cells, whole % n_layers, (position - cell * n_layers) * alpha / n_layers
-
-    def _face_nodes(self, edge: IntArray, layer: IntArray) -> IntArray:
-        """Cell nodes (m, 4) or (m, 8) of the faces over edges, in the order of QUAD4 or QUAD8."""
-        planes, ends = self.mesh.planes, self.edges[edge].T
-        if len(self._line) == 2:
-            low, high = layer, layer + 1
-            order = [(low, 0), (low, 1), (high, 1), (high, 0)]
-        else:
-            low, middle, high = 2 * layer, 2 * layer + 1, 2 * layer + 2
-            order = [(low, 0), (low, 1), (high, 1), (high, 0)]
-            order += [(low, 2), (middle, 1), (high, 2), (middle, 0)]
-        return np.stack([planes[plane, ends[end]] for plane, end in order], axis=1)
 
     def _around(self, nodes: IntArray, xi: FloatArray, phi: FloatArray) -> FloatArray:
         """Natural coordinate (m,) at which a face stands at angles phi from the cell's left."""
