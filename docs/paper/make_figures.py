@@ -44,9 +44,10 @@ made by `python docs/paper/make_figures.py`, numbers included."""
 
 
 def case_of(number: int, **changes: object) -> Case:
-    """A figure's case, solved by `cyclic`, with other keys of its tables."""
+    """A figure's case, every line solved by `cyclic`, with other keys of its tables."""
     data = resolved(load_case(CASES / f"figure{number:02d}.toml"))
     data["solver"] = {"name": "cyclic"}
+    data["frequency"]["adaptive"] = False
     for table, values in changes.items():
         data[table] = {**data.get(table, {}), **values}  # type: ignore[dict-item]
     return build_case(data, data["name"])
