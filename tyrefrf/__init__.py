@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         load_modes,
         load_results,
         load_sweep,
+        to_xarray,
         write_results,
         write_sweep,
     )
@@ -57,6 +58,7 @@ __all__ = [
     "modes",
     "run",
     "sweep",
+    "to_xarray",
     "write_results",
     "write_sweep",
 ]
@@ -78,6 +80,7 @@ _HOME = {
     "modes": "tyrefrf.study.modes",
     "run": "tyrefrf.study.run",
     "sweep": "tyrefrf.study.sweep",
+    "to_xarray": "tyrefrf.results",
     "write_results": "tyrefrf.results",
     "write_sweep": "tyrefrf.results",
 }

@@ -4,6 +4,7 @@ from tyrefrf.results.comparison import Comparison
 from tyrefrf.results.comparison_layout import write_comparison
 from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.dispersion_layout import write_dispersion
+from tyrefrf.results.labelled import to_xarray
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.modes_layout import write_modes
 from tyrefrf.results.reader import (
@@ -32,6 +33,7 @@ __all__ = [
     "load_modes",
     "load_results",
     "load_sweep",
+    "to_xarray",
     "write_comparison",
     "write_dispersion",
     "write_modes",

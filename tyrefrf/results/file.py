@@ -44,11 +44,22 @@ def write_file(
     path = Path(path)
     try:
         with whole_file(path) as temporary, h5py.File(temporary, "x") as file:
-            file.attrs["content"] = content
-            _write_attributes(file, provenance)
+            file.attrs.update(attributes_of(content, provenance))
+            file.create_group("numbers").attrs.update(provenance.numbers)
             _write_datasets(file, datasets)
     except OSError as error:
         raise ResultsError(f"{path}: cannot be written: {error}") from error
+
+
+def attributes_of(content: str, provenance: Provenance) -> dict[str, Any]:
+    """The attributes of a file's root."""
+    origin = {
+        attribute.name: getattr(provenance, attribute.name)
+        for attribute in attributes(provenance)
+        if attribute.name != "numbers"
+    }
+    known = {"program": PROGRAM, "layout": LAYOUT, "Conventions": CONVENTIONS}
+    return {"content": content, **known, **origin}
 
 
 @contextmanager
@@ -110,16 +121,6 @@ def _check_origin(path: Path, file: Any) -> None:
             f"{path}: layout {layout}, written by tyrefrf {version}; this tyrefrf reads layouts"
             f" up to {LAYOUT}: upgrade it with `pip install --upgrade tyrefrf`"
         )
-
-
-def _write_attributes(file: Any, provenance: Provenance) -> None:
-    file.attrs["Conventions"] = CONVENTIONS
-    file.attrs["program"] = PROGRAM
-    file.attrs["layout"] = LAYOUT
-    for attribute in attributes(provenance):
-        if attribute.name != "numbers":
-            file.attrs[attribute.name] = getattr(provenance, attribute.name)
-    file.create_group("numbers").attrs.update(provenance.numbers)
 
 
 def _write_datasets(file: Any, datasets: Sequence[Dataset]) -> None:
