@@ -1,75 +1,62 @@
-"""Wall time, peak memory and file size of `tyrefrf run cases/homogeneous.toml`.
+"""Wall time, peak memory and file size of whole runs, from the shell prompt to the last plot.
 
     python -m benchmarks.footprint
 
-From the shell prompt to the last plot. The paper's method needed 2 MB of data, whatever N. Memory
-is read from Linux's /proc: the high-water marks of the main process and of its workers.
+The homogeneous tyre's case as it is, by one process and by two; and the whole of the paper's figure
+7, the layered tyre with all its probes at 2001 lines from 0 to 2000 Hz, by the cyclic solver and by
+the recursion, adaptively and with every line solved. Memory is what Linux's /proc says of the main
+process, and of it and its workers together at one moment. The paper's method needed 2 MB of data.
 """
 
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
-import tempfile
-import time
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
+from benchmarks.command import bytes_in, run_case_file
 from benchmarks.machine import description, table
+from benchmarks.tyres import with_lines, with_solver
+from tyrefrf.case import Case, load_case
 
-CASE = Path(__file__).parents[1] / "cases" / "homogeneous.toml"
+CASES = Path(__file__).parents[1] / "cases"
+LINES = 2001
+WAYS = (("cyclic", True, 3), ("recursive", True, 2), ("cyclic", False, 1), ("recursive", False, 1))
+"""Of figure 7: solver, whether its lines are adaptive, and how many runs; the quickest counts."""
 
 
 def measured() -> str:
     """The table, in Markdown."""
-    rows = []
-    for jobs in (1, 2):
-        with tempfile.TemporaryDirectory() as directory:
-            command = [sys.executable, "-m", "tyrefrf", "run", str(CASE)]
-            command += ["--json", "--jobs", str(jobs), "--output", directory]
-            start = time.perf_counter()
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-            peaks = _watch(process)
-            seconds = time.perf_counter() - start
-            assert process.returncode == 0
-            assert process.stdout is not None
-            facts = json.loads(process.stdout.read())
-            size = Path(facts["files"][0]).stat().st_size
-        rows.append(
-            [
-                str(jobs),
-                f"{seconds:.1f}",
-                f"{peaks.pop(process.pid):.0f}",
-                " + ".join(f"{peak:.0f}" for peak in sorted(peaks.values())[-jobs:])
-                if peaks
-                else "-",
-                f"{size / 1e6:.2f}",
-                f"{facts['largest_residual']:.1e}",
-            ]
-        )
-    header = ["jobs", "wall [s]", "main process [MB]", "workers [MB]", "results [MB]", "residual"]
-    return f"{facts['lines']} lines, 2 loads, {len(facts['probes'])} probes.\n\n" + table(
-        header, rows
-    )
+    homogeneous = load_case(CASES / "homogeneous.toml")
+    seventh = load_case(CASES / "paper" / "figure07.toml")
+    rows = [_row(homogeneous, "as it is", jobs, 1) for jobs in (1, 2)]
+    for solver, adaptive, runs in WAYS:
+        case = with_lines(with_solver(seventh, solver), LINES, adaptive=adaptive)
+        rows.append(_row(case, "adaptive" if adaptive else "all lines", 2, runs))
+    header = ["case", "solver", "lines", "solved", "jobs", "wall [s]", "main process [MB]"]
+    header += ["all processes [MB]", "results [MB]", "with plots [MB]", "residual"]
+    head = "`tyrefrf run`, plots and all; pages that processes share count in each of them."
+    return f"{head}\n\n" + table(header, rows)
 
 
-def _watch(process: subprocess.Popen[bytes]) -> dict[int, float]:
-    """High-water marks [MB] of a process and its descendants, by pid, watched to its end."""
-    peaks: dict[int, float] = {}
-    while process.poll() is None:
-        family = {process.pid}
-        for status in sorted(Path("/proc").glob("[0-9]*/status"), key=lambda s: int(s.parent.name)):
-            try:
-                facts = dict(line.split(":", 1) for line in status.read_text().splitlines())
-            except OSError:  # it has ended since
-                continue
-            pid = int(status.parent.name)
-            if pid in family or int(facts["PPid"]) in family:
-                family.add(pid)
-                mark = float(facts.get("VmHWM", "0 kB").split()[0]) / 1e3  # none once it has ended
-                peaks[pid] = max(peaks.get(pid, 0.0), mark)
-        time.sleep(0.05)
-    return peaks
+def _row(case: Case, words: str, jobs: int, runs: int) -> list[str]:
+    """One case, run so often."""
+    with TemporaryDirectory() as scratch:
+        directory = Path(scratch)
+        options = ("--jobs", str(jobs))
+        found = [run_case_file(case, directory, *options, watch=True) for _ in range(runs)]
+        facts = json.loads(found[-1].out)
+        results = bytes_in(directory, "*.h5")
+        everything = bytes_in(directory / case.name)
+    solved = facts.get("solved_lines", facts["lines"])
+    quickest = min(found, key=lambda outcome: outcome.seconds)
+    return [
+        *(f"{case.name}, {words}", f"`{case.solver.name}`"),
+        *(str(facts["lines"]), str(solved), str(jobs), f"{quickest.seconds:.1f}"),
+        *(f"{size / 1e6:.0f}" for size in (quickest.main, quickest.together)),
+        *(f"{size / 1e6:.2f}" for size in (results, everything)),
+        f"{facts['largest_residual']:.1e}",
+    ]
 
 
 if __name__ == "__main__":
