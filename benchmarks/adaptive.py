@@ -17,7 +17,8 @@ import numpy as np
 from benchmarks.machine import description, table
 from tyrefrf.case import Case, Solver, load_case
 from tyrefrf.results import Results
-from tyrefrf.study.run import cores, run_case
+from tyrefrf.study.local import cores
+from tyrefrf.study.run import run_case
 
 CASES = Path(__file__).parents[1] / "cases"
 STEPS = {"homogeneous": 1.0, "paper/layered": 1.0}

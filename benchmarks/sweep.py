@@ -17,8 +17,8 @@ import numpy as np
 
 from benchmarks.machine import description, table
 from tyrefrf.case import Case, load_case, make_grid
+from tyrefrf.study.local import cores
 from tyrefrf.study.model import build_model
-from tyrefrf.study.run import cores
 from tyrefrf.study.spectrum import solve_spectrum
 from tyrefrf.study.sweep import run_sweep
 

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         write_results,
         write_sweep,
     )
+    from tyrefrf.study.cluster import cluster
     from tyrefrf.study.compare import compare
     from tyrefrf.study.dispersion import dispersion
     from tyrefrf.study.modes import modes
@@ -47,6 +48,7 @@ __all__ = [
     "Modes",
     "Results",
     "SweepResults",
+    "cluster",
     "compare",
     "dispersion",
     "load_case",
@@ -69,6 +71,7 @@ _HOME = {
     "Modes": "tyrefrf.results",
     "Results": "tyrefrf.results",
     "SweepResults": "tyrefrf.results",
+    "cluster": "tyrefrf.study.cluster",
     "compare": "tyrefrf.study.compare",
     "dispersion": "tyrefrf.study.dispersion",
     "load_case": "tyrefrf.case",

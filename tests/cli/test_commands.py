@@ -270,7 +270,7 @@ def test_help_imports_nothing_heavy(tmp_path):
         cwd=tmp_path,
         check=True,
     )
-    for package in ("numpy", "scipy", "h5py", "matplotlib", "pydantic", "joblib"):
+    for package in ("numpy", "scipy", "h5py", "matplotlib", "pydantic", "joblib", "distributed"):
         assert not re.search(rf"\| +{package}\b", done.stderr), package
 
 

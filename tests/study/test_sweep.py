@@ -144,9 +144,11 @@ def test_a_pressure_is_put_on_once(monkeypatch):
 def test_all_points_share_one_pool(monkeypatch):
     pools = []
 
-    def mapped(function, items, jobs):
-        pools.append((len({chunk.number for chunk in items}), sum(len(c.lines) for c in items)))
-        yield from map(function, items)
+    def mapped(tasks, workers, *_):
+        tasks = list(tasks)
+        chunks = [task.item for task in tasks]
+        pools.append((len({chunk.number for chunk in chunks}), sum(len(c.lines) for c in chunks)))
+        yield from (task.make()(task.item) for task in tasks)
 
     monkeypatch.setattr(spectrum, "map_unordered", mapped)
     tyrefrf.sweep(case_with(), {"E_rubber": MODULI}, jobs=2)

@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from tyrefrf.cli.report import as_json, number_text
-from tyrefrf.cli.running import in_file, new_target, read_case, status_of
+from tyrefrf.cli.running import in_file, new_target, read_case, status_of, workers_of
 from tyrefrf.results import Dispersion
 from tyrefrf.results.dispersion import NEPER
 
@@ -30,6 +30,7 @@ def dispersion_to_files(
     lines: int,
     decay: float,
     jobs: int | None,
+    scheduler: str | None,
     formats: Sequence[str],
     *,
     at_rest: bool,
@@ -45,13 +46,17 @@ def dispersion_to_files(
     start = time.perf_counter()
     case, text = read_case(case_file, None)
     target = new_target(output, f"{case.name}_dispersion", force=force)
-    with progress_of(lines, case.name) as progress, in_file(case_file, text):
+    with (
+        workers_of(jobs, scheduler, lines) as workers,
+        progress_of(lines, case.name) as progress,
+        in_file(case_file, text),
+    ):
         found = dispersion_of(
             case,
             lines=lines,
             decay=decay,
             at_rest=at_rest,
-            jobs=jobs,
+            jobs=workers,
             case_text=text,
             progress=progress,
         )

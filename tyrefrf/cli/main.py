@@ -53,6 +53,14 @@ Jobs = Annotated[
     Optional[int],  # noqa: UP045
     typer.Option(min=1, help="Processes; all cores by default. Results do not depend on it."),
 ]
+Scheduler = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        metavar="ADDRESS",
+        help="Workers of a dask scheduler instead of this machine's: its address "
+        "(tcp://host:8786) or its file.",
+    ),
+]
 SolverOption = Annotated[
     Optional[SolverName],  # noqa: UP045
     typer.Option("--solver", help="Solver instead of the case's."),
@@ -74,6 +82,7 @@ def run(
     ] = None,
     solver: SolverOption = None,
     jobs: Jobs = None,
+    scheduler: Scheduler = None,
     formats: Formats = None,
     certify: Annotated[
         bool,
@@ -88,8 +97,13 @@ def run(
     """Compute the responses that CASE describes.
 
     Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary with the proof of every line:
-    its residual, passivity and reciprocity. Exits 0 when every line has its answer and proof, 1
-    when some have not, 2 when the case is wrong.
+    its residual, passivity and reciprocity. A line whose process is killed is tried once more; what
+    kills it again is a failed line, and the others are kept. Exits 0 when every line has its
+    answer and proof, 1 when some have not, 2 when the case is wrong.
+
+    More than one machine: dask scheduler; dask worker ADDRESS --nworkers 8 --nthreads 1 on each;
+    then --scheduler ADDRESS. Needs pip install "tyrefrf[cluster]". On SLURM, dask-jobqueue
+    starts them: see the README.
 
     For example:
 
@@ -97,13 +111,22 @@ def run(
       tyrefrf run case.toml
       tyrefrf run case.toml --solver cyclic --jobs 1 --format png --format pdf
       tyrefrf run case.toml --certify
+      tyrefrf run case.toml --scheduler tcp://host:8786
       tyrefrf run case.toml --json > summary.json
     """
     from tyrefrf.cli.running import run_to_files
 
     raise typer.Exit(
         run_to_files(
-            case, output, solver, jobs, _names(formats), certify=certify, force=force, json=json
+            case,
+            output,
+            solver,
+            jobs,
+            scheduler,
+            _names(formats),
+            certify=certify,
+            force=force,
+            json=json,
         )
     )
 
@@ -144,6 +167,7 @@ def sweep(
     ] = None,
     solver: SolverOption = None,
     jobs: Jobs = None,
+    scheduler: Scheduler = None,
     formats: Formats = None,
     force: Force = False,
     json: Json = False,
@@ -165,7 +189,17 @@ def sweep(
 
     given = context.meta["given"]
     raise typer.Exit(
-        sweep_to_files(case, given, output, solver, jobs, _names(formats), force=force, json=json)
+        sweep_to_files(
+            case,
+            given,
+            output,
+            solver,
+            jobs,
+            scheduler,
+            _names(formats),
+            force=force,
+            json=json,
+        )
     )
 
 
@@ -310,6 +344,7 @@ def dispersion(
         typer.Option(help="Directory; results/<case name>_dispersion by default."),
     ] = None,
     jobs: Jobs = None,
+    scheduler: Scheduler = None,
     formats: Formats = None,
     force: Force = False,
     json: Json = False,
@@ -341,6 +376,7 @@ def dispersion(
             lines,
             decay,
             jobs,
+            scheduler,
             _names(formats),
             at_rest=at_rest,
             force=force,

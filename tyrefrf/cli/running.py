@@ -17,6 +17,7 @@ from tyrefrf.errors import CaseError, CommandError, MeshError
 
 if TYPE_CHECKING:
     from tyrefrf.results import Results
+    from tyrefrf.study.executor import Executor
 
 
 def run_to_files(
@@ -24,6 +25,7 @@ def run_to_files(
     output: Path | None,
     solver: str | None,
     jobs: int | None,
+    scheduler: str | None,
     formats: Sequence[str],
     *,
     certify: bool = False,
@@ -31,25 +33,54 @@ def run_to_files(
     json: bool,
 ) -> int:
     """Run a case, write results and plots, print the summary; the exit status, 0 or 1."""
-    from tyrefrf.cli.progress import progress_of
-    from tyrefrf.cli.report import as_json, describe_run, summary
-    from tyrefrf.plots import draw_plots
-    from tyrefrf.results import write_results
-    from tyrefrf.study.run import run_case
-
     start = time.perf_counter()
     case, text = read_case(case_file, solver)
     target = new_target(output, case.name, force=force)
-    with progress_of(len(case.frequency.lines()), case.name) as progress, in_file(case_file, text):
-        results = run_case(case, jobs=jobs, case_text=text, progress=progress)
-    write_results(target, results)
-    if certify:
-        results = _certified(case, results, jobs)
+    n_lines = len(case.frequency.lines())
+    with workers_of(jobs, scheduler, n_lines) as workers:
+        # Imported while the processes start.
+        from tyrefrf.cli.progress import progress_of
+        from tyrefrf.cli.report import as_json, describe_run, summary
+        from tyrefrf.plots import draw_plots
+        from tyrefrf.results import write_results
+        from tyrefrf.study.run import run_case
+
+        with progress_of(n_lines, case.name) as progress, in_file(case_file, text):
+            results = run_case(case, jobs=workers, case_text=text, progress=progress)
         write_results(target, results)
+        if certify:
+            results = _certified(case, results, workers)
+            write_results(target, results)
     drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
     facts = summary(results, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_run(facts))
     return status_of(facts)
+
+
+@contextmanager
+def workers_of(jobs: int | None, scheduler: str | None, n_tasks: int) -> Iterator[Executor]:
+    """Who works: so many processes of this machine, or the scheduler's; all ends with the context.
+
+    Raises CommandError where both are given, or nobody is there.
+    """
+    from tyrefrf.study.executor import executor_of
+    from tyrefrf.study.local import cores
+
+    if scheduler is None:
+        workers = executor_of(jobs or cores(), n_tasks)
+        try:
+            yield workers
+        finally:
+            workers.stop()
+        return
+    if jobs is not None:
+        raise CommandError(
+            "--jobs counts processes of this machine, --scheduler brings its own; give one of them"
+        )
+    from tyrefrf.study.cluster import cluster
+
+    with cluster(scheduler) as workers:
+        yield workers
 
 
 def new_target(output: Path | None, name: str, *, force: bool) -> Path:
@@ -67,16 +98,15 @@ def new_target(output: Path | None, name: str, *, force: bool) -> Path:
     return target
 
 
-def _certified(case: Case, results: Results, jobs: int | None) -> Results:
+def _certified(case: Case, results: Results, workers: Executor) -> Results:
     """The results with their certificate; what it costs goes to stderr before."""
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.study.certify import certified, plan_certificate
-    from tyrefrf.study.run import cores
 
     plan = plan_certificate(case, results)
-    print(plan.words(jobs or cores()), file=sys.stderr)
+    print(plan.words(workers.jobs), file=sys.stderr)
     with progress_of(plan.n_lines, f"{case.name}, certify") as progress:
-        return certified(plan, jobs or cores(), progress)
+        return certified(plan, workers, progress)
 
 
 def status_of(facts: dict[str, Any]) -> int:
@@ -93,7 +123,7 @@ def check_case(case_file: Path | None, solver: str | None, jobs: int | None, *, 
     """Print what a case would compute."""
     from tyrefrf.cli.report import as_json, describe_estimate
     from tyrefrf.study.estimate import estimate
-    from tyrefrf.study.run import cores
+    from tyrefrf.study.local import cores
 
     case, text = read_case(case_file, solver)
     with in_file(case_file, text):

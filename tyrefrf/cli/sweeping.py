@@ -51,6 +51,7 @@ def sweep_to_files(
     output: Path | None,
     solver: str | None,
     jobs: int | None,
+    scheduler: str | None,
     formats: Sequence[str],
     *,
     force: bool,
@@ -58,12 +59,7 @@ def sweep_to_files(
 ) -> int:
     """Sweep a case, write results and plots, print the summary; the exit status, 0 or 1."""
     from tyrefrf.case import make_grid
-    from tyrefrf.cli.progress import progress_of
-    from tyrefrf.cli.report import as_json
-    from tyrefrf.cli.running import new_target, read_case, status_of
-    from tyrefrf.plots import draw_plots
-    from tyrefrf.results import write_sweep
-    from tyrefrf.study.sweep import run_sweep
+    from tyrefrf.cli.running import new_target, read_case, status_of, workers_of
 
     start = time.perf_counter()
     if case_file is None and Path("case.toml").exists():
@@ -75,8 +71,17 @@ def sweep_to_files(
     target = new_target(output, f"{case.name}_sweep", force=force)
     n_points = len(grid.cases)
     n_lines = n_points * len(case.frequency.lines())
-    with progress_of(n_lines, f"{case.name}, {n_points} points") as progress, _of_sweep(case_file):
-        sweep = run_sweep(grid, jobs=jobs, case_text=text, progress=progress)
+    with workers_of(jobs, scheduler, n_lines) as workers:
+        # Imported while the processes start.
+        from tyrefrf.cli.progress import progress_of
+        from tyrefrf.cli.report import as_json
+        from tyrefrf.plots import draw_plots
+        from tyrefrf.results import write_sweep
+        from tyrefrf.study.sweep import run_sweep
+
+        said = f"{case.name}, {n_points} points"
+        with progress_of(n_lines, said) as progress, _of_sweep(case_file):
+            sweep = run_sweep(grid, jobs=workers, case_text=text, progress=progress)
     write_sweep(target, sweep)
     drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
     facts = sweep_summary(sweep, [target, *drawn]) | {"seconds": time.perf_counter() - start}

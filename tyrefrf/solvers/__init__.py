@@ -16,6 +16,7 @@ from tyrefrf.solvers.problem import (
     RingProblem,
     Solver,
     answer,
+    no_answer,
     responses,
     solve_line,
 )
@@ -66,6 +67,7 @@ __all__ = [
     "RingProblem",
     "Solver",
     "answer",
+    "no_answer",
     "prepare",
     "responses",
     "solve_line",

@@ -179,8 +179,13 @@ def answer(problem: RingProblem, solver: Solver, omega: float) -> Line:
     try:
         return solve_line(problem, solver, omega)
     except SolveError as error:
-        nowhere = np.full((problem.probes.shape[1], problem.n_loads), complex(np.nan, np.nan))
-        return Line(nowhere, float("nan"), str(error))
+        return no_answer(problem, str(error))
+
+
+def no_answer(problem: RingProblem, reason: str) -> Line:
+    """A line that failed."""
+    nowhere = np.full((problem.probes.shape[1], problem.n_loads), complex(np.nan, np.nan))
+    return Line(nowhere, float("nan"), reason)
 
 
 def responses(problem: RingProblem, field: Field) -> ComplexArray:

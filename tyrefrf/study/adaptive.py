@@ -3,7 +3,7 @@
 Sampling cannot promise that no narrow resonance stands between the lines it solves. So the natural
 frequencies below the last line, which are all there as their number is held against a count by
 inertia, say where resonances are too narrow to be left to chance; the lines there are solved. The
-lines that are solved do not depend on the number of jobs.
+lines that are solved do not depend on the workers.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.modal_loss import modal_loss
 from tyrefrf.solvers.modes import OrderModes, ring_modes, storage_stiffness
 from tyrefrf.solvers.own_moduli import own_ring_modes
+from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.sampling import START, Sampling
 from tyrefrf.study.spectrum import Fit, Gathered, Progress, Spectrum, solve_lines, solve_spectra
 
@@ -36,15 +37,15 @@ FEW = 2 * START
 def solve_case(
     problems: Sequence[RingProblem],
     case: Case,
-    jobs: int,
+    workers: Workers,
     progress: Progress = lambda n_lines: None,
 ) -> list[Spectrum]:
     """Problems at the lines and by the solver of a case, all of them solved or adaptively."""
     frequency = np.array(case.frequency.lines())
     if not case.frequency.adaptive:
-        return solve_spectra(problems, case.solver, frequency, jobs, progress)
+        return solve_spectra(problems, case.solver, frequency, workers, progress)
     tolerance = case.frequency.tolerance
-    return solve_adaptively(problems, case.solver, frequency, tolerance, jobs, progress)
+    return solve_adaptively(problems, case.solver, frequency, tolerance, workers, progress)
 
 
 def solve_adaptively(
@@ -52,7 +53,7 @@ def solve_adaptively(
     solver: Solver,
     frequency: FloatArray,
     tolerance: float,
-    jobs: int,
+    workers: Workers,
     progress: Progress = lambda n_lines: None,
 ) -> list[Spectrum]:
     """As `solve_spectra`, but with lines [Hz] fitted where that can be trusted.
@@ -60,15 +61,16 @@ def solve_adaptively(
     Each problem by itself: its lines are those of a run of it alone. Its first probes have to be
     the driving points of its loads, in their order, whose peaks are what the tolerance is of.
     """
-    gathered = [Gathered.prepared(problem, solver, frequency, jobs) for problem in problems]
+    executor = executor_of(workers, len(frequency) * len(problems))
+    gathered = [Gathered.prepared(problem, solver, frequency, executor) for problem in problems]
     samplings = [_sampling(problem, frequency, tolerance) for problem in problems]
     while True:
         wanted = [sampling.next_lines() for sampling in samplings]
         longest = max(map(len, wanted))
         if not longest:
             break
-        length = -(-longest // jobs)
-        solve_lines(gathered, [lines.tolist() for lines in wanted], length, jobs, progress)
+        length = -(-longest // executor.jobs)
+        solve_lines(gathered, [lines.tolist() for lines in wanted], length, executor, progress)
         for found, sampling, lines in zip(gathered, samplings, wanted, strict=True):
             if len(lines):
                 sampling.add(lines, found.receptance[..., lines])

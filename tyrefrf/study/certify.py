@@ -6,8 +6,9 @@ when the cells are halved around the axle. The section's own mesh is not refined
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,10 @@ from tyrefrf.results import Results
 from tyrefrf.results.certificate import Certificate
 from tyrefrf.results.proof import TRUNCATED
 from tyrefrf.solvers import Maker, RingProblem, prepare, responses
+from tyrefrf.solvers import Solver as RingSolver
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.cost import line_seconds
-from tyrefrf.study.executor import map_unordered
+from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Progress, solve_spectrum
 
@@ -102,10 +104,11 @@ def plan_certificate(case: Case, results: Results) -> Plan:
     )
 
 
-def certified(plan: Plan, jobs: int, progress: Progress = lambda n_lines: None) -> Results:
+def certified(plan: Plan, workers: Workers, progress: Progress = lambda n_lines: None) -> Results:
     """The results with their certificate. Raises SolveError where nothing can be solved."""
     results = plan.results
-    again = _checked_again(plan, jobs, progress)
+    executor = executor_of(workers, plan.n_lines)
+    again = _checked_again(plan, executor, progress)
     certificate = Certificate(
         solver=plan.second.name,
         frequency=results.frequency[plan.checked],
@@ -114,7 +117,7 @@ def certified(plan: Plan, jobs: int, progress: Progress = lambda n_lines: None) 
         cell_difference=_by_load(results, [line.cell_difference for line in again]),
         n_cells=plan.refined.problem.n_cells if plan.refined else 0,
         refined_frequency=results.frequency[plan.sampled],
-        level_change=_level_change(plan, jobs, progress),
+        level_change=_level_change(plan, executor, progress),
         left_out=plan.left_out,
     )
     return replace(results, certificate=certificate)
@@ -151,18 +154,28 @@ def _spread(lines: IntArray, n: int) -> IntArray:
     return lines[np.unique(np.linspace(0, len(lines) - 1, n).round().astype(int))]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Line:
-    """A line to be solved again: what a worker is given.
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+class _Pair:
+    """Two solvers of a problem: a process is given this once, and makes them once.
 
     own: makes the run's solver; None for a truncated one, whose modes would be sought again.
-    receptance: (p, l) that the run found.
     """
 
-    index: int
     problem: RingProblem
     own: Maker | None
     second: Maker
+
+    def __call__(self) -> Callable[[_Line], _Again]:
+        """What solves a line again."""
+        own = self.own() if self.own else None
+        return partial(_solve_again, self.problem, own, self.second())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Line:
+    """A line to be solved again; receptance: (p, l) that the run found."""
+
+    index: int
     omega: float
     receptance: ComplexArray
 
@@ -177,38 +190,36 @@ class _Again:
     cell_difference: FloatArray
 
 
-def _checked_again(plan: Plan, jobs: int, progress: Progress) -> list[_Again]:
+def _checked_again(plan: Plan, executor: Executor, progress: Progress) -> list[_Again]:
     """The second solver's lines, in their order."""
     case, problem, results = plan.model.case, plan.model.problem, plan.results
-    own = None if case.solver.name in TRUNCATED else prepare(problem, case.solver, jobs)
-    second = prepare(problem, plan.second, jobs)
+    own = None if case.solver.name in TRUNCATED else prepare(problem, case.solver, executor.here)
+    pair = _Pair(problem, own, prepare(problem, plan.second, executor.here))
     lines = [
         _Line(
             index=int(index),
-            problem=problem,
-            own=own,
-            second=second,
             omega=float(results.omega[index]),
             receptance=results.receptance[:, :, index].T,
         )
         for index in plan.checked
     ]
     found = []
-    for line in map_unordered(_solve_again, lines, jobs):
+    for line in map_unordered((Task(pair, line) for line in lines), executor, _unsolved):
         found.append(line)
         progress(1)
     return sorted(found, key=lambda line: line.index)
 
 
-def _solve_again(line: _Line) -> _Again:
+def _solve_again(
+    problem: RingProblem, own_solver: RingSolver | None, second: RingSolver, line: _Line
+) -> _Again:
     """One line by the second solver; NaN where it finds no answer."""
-    problem = line.problem
-    none = np.full(problem.n_loads, np.nan)
     try:
-        field = line.second().field(line.omega)
-        own = line.own().field(line.omega) if line.own else None
+        field = second.field(line.omega)
+        own = own_solver.field(line.omega) if own_solver else None
     except SolveError:
-        return _Again(line.index, np.nan, none, none)
+        return _no_answer(line)
+    none = np.full(problem.n_loads, np.nan)
     H = responses(problem, field)
     n_probes = len(line.receptance)  # the hub's components, of other units, come after them
     return _Again(
@@ -217,6 +228,16 @@ def _solve_again(line: _Line) -> _Again:
         difference=_relative(H[:n_probes], line.receptance, axis=0),
         cell_difference=_relative(field.q, own.q, axis=1).max(axis=0) if own else none,
     )
+
+
+def _no_answer(line: _Line) -> _Again:
+    none = np.full(line.receptance.shape[1], np.nan)
+    return _Again(line.index, np.nan, none, none)
+
+
+def _unsolved(task: Task[_Line, _Again], reason: str) -> _Again:
+    """A line that kills its process has no answer either."""
+    return _no_answer(task.item)
 
 
 def _relative(a: ComplexArray, b: ComplexArray, axis: int) -> FloatArray:
@@ -230,13 +251,13 @@ def _by_load(results: Results, lines: list[FloatArray]) -> FloatArray:
     return np.array(lines).reshape(len(lines), len(results.loads)).T.copy()
 
 
-def _level_change(plan: Plan, jobs: int, progress: Progress) -> FloatArray:
+def _level_change(plan: Plan, executor: Executor, progress: Progress) -> FloatArray:
     """(l, p, m) level of the refined ring less that of the results [dB]."""
     frequency = plan.results.frequency[plan.sampled]
     H = plan.results.receptance[:, :, plan.sampled]
     if plan.refined is None or not len(frequency):
         return np.empty(H.shape)
-    spectrum = solve_spectrum(plan.refined.problem, REFINER, frequency, jobs, progress)
+    spectrum = solve_spectrum(plan.refined.problem, REFINER, frequency, executor, progress)
     finer = np.abs(spectrum.receptance.transpose(1, 0, 2)[:, : H.shape[1]])
     return 20.0 * np.log10(_moving(finer) / _moving(np.abs(H)))
 

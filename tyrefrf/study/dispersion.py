@@ -17,9 +17,10 @@ from tyrefrf.results.dispersion import DIRECTIONS, NEPER, Dispersion
 from tyrefrf.solvers.problem import RingProblem
 from tyrefrf.solvers.waves import FreeWaves, Waves
 from tyrefrf.study.branches import Frame, branches
-from tyrefrf.study.executor import map_unordered
+from tyrefrf.study.executor import Task, Workers, executor_of, map_unordered
+from tyrefrf.study.local import cores
 from tyrefrf.study.model import build_model
-from tyrefrf.study.run import cores, provenance_of, sizes, static_state
+from tyrefrf.study.run import provenance_of, sizes, static_state
 from tyrefrf.study.spectrum import Progress
 
 LINES = 100
@@ -32,7 +33,7 @@ def dispersion(
     lines: int = LINES,
     decay: float = DECAY,
     at_rest: bool = False,
-    jobs: int | None = None,
+    jobs: Workers | None = None,
 ) -> Dispersion:
     """Free waves of a case, or of the case in a file: `tyrefrf.dispersion("case.toml")`.
 
@@ -50,7 +51,7 @@ def dispersion_of(
     lines: int = LINES,
     decay: float = DECAY,
     at_rest: bool = False,
-    jobs: int | None = None,
+    jobs: Workers | None = None,
     case_text: str = "",
     progress: Progress = lambda n_lines: None,
 ) -> Dispersion:
@@ -65,8 +66,9 @@ def dispersion_of(
         inflation = case.inflation.model_copy(update={"pressure": 0.0})
         case = case.model_copy(update={"inflation": inflation})
     frequency = spread(case, lines)
+    executor = executor_of(jobs or cores(), len(frequency))
     model = build_model(case)
-    found = search_lines(model.problem, frequency, decay / NEPER, jobs or cores(), progress)
+    found = search_lines(model.problem, frequency, decay / NEPER, executor, progress)
     counts = np.array([(w.found, w.counted) if (w := line.waves) else (-1, -1) for line in found])
     numbers = {**sizes(model), "seconds": time.perf_counter() - start}
     return Dispersion(
@@ -110,13 +112,14 @@ class FoundLine:
 
 
 def search_lines(
-    problem: RingProblem, frequency: FloatArray, bound: float, jobs: int, progress: Progress
+    problem: RingProblem, frequency: FloatArray, bound: float, workers: Workers, progress: Progress
 ) -> list[FoundLine]:
     """The free waves of every line [Hz], in order; bound: on their decay [Np/rad]."""
     free_waves = FreeWaves(problem.cell, problem.n_cells, 2.0 * np.pi * float(np.median(frequency)))
-    solve = partial(_solve_line, free_waves, frequency, bound)
+    solve = partial(partial, _solve_line, free_waves, frequency, bound)
+    tasks = (Task(solve, index) for index in range(len(frequency)))
     found: list[FoundLine] = []
-    for line in map_unordered(solve, range(len(frequency)), jobs):
+    for line in map_unordered(tasks, workers, partial(_lost_line, free_waves)):
         found.append(line)
         progress(1)
     return sorted(found, key=lambda line: line.index)
@@ -130,12 +133,20 @@ def _solve_line(
     try:
         waves = free_waves.at(2.0 * np.pi * float(frequency[index]), bound)
     except SolveError as error:
-        none = np.empty((cell.n_face, 0), complex)
-        return FoundLine(index, None, none, time.perf_counter() - start, str(error))
+        return _failed_line(cell.n_face, index, time.perf_counter() - start, str(error))
     mass = cell.sparse(cell.M).diagonal()[: cell.n_face]
     shape = np.sqrt(mass)[:, None] * waves.q[: cell.n_face]
     shape /= np.linalg.norm(shape, axis=0)
     return FoundLine(index, waves, shape, time.perf_counter() - start)
+
+
+def _lost_line(free_waves: FreeWaves, task: Task[int, FoundLine], reason: str) -> FoundLine:
+    """A line that kills its process; the time it took counts as nothing."""
+    return _failed_line(free_waves.cell.n_face, task.item, 0.0, reason)
+
+
+def _failed_line(n_face: int, index: int, seconds: float, reason: str) -> FoundLine:
+    return FoundLine(index, None, np.empty((n_face, 0), complex), seconds, reason)
 
 
 def in_branches(

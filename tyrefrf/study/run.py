@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -17,15 +16,18 @@ from tyrefrf.results import Provenance, Results, StaticState
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.certify import certified, plan_certificate
 from tyrefrf.study.choose import decided_model
+from tyrefrf.study.executor import Workers, executor_of
+from tyrefrf.study.local import cores
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Fit, Progress, Spectrum
 
 
-def run(case: Case | str | Path, *, jobs: int | None = None, certify: bool = False) -> Results:
+def run(case: Case | str | Path, *, jobs: Workers | None = None, certify: bool = False) -> Results:
     """Compute a case, or the case in a file, from Python: `tyrefrf.run("case.toml")`.
 
-    jobs: processes, all cores by default. certify: whether another solver and a ring of finer
-    cells solve a sample of the lines too. Raises CaseError and MeshError as `run_case`.
+    jobs: processes, all cores by default, or a cluster's: `with tyrefrf.cluster(address) as jobs`.
+    certify: whether another solver and a ring of finer cells solve a sample of the lines too.
+    Raises CaseError and MeshError as `run_case`.
     """
     text = ""
     if not isinstance(case, Case):
@@ -38,28 +40,25 @@ def run(case: Case | str | Path, *, jobs: int | None = None, certify: bool = Fal
 def run_case(
     case: Case,
     *,
-    jobs: int | None = None,
+    jobs: Workers | None = None,
     case_text: str = "",
     progress: Progress = lambda n_lines: None,
 ) -> Results:
     """Compute the responses that a case describes.
 
-    jobs: processes, all cores by default; results do not depend on it. case_text: the file as
-    its author wrote it, kept with the results. progress: called with lines just finished.
+    jobs: processes, all cores by default, or an executor; results do not depend on it. case_text:
+    the file as its author wrote it, kept with the results. progress: called with lines just
+    finished.
     Raises CaseError and MeshError for a case that cannot be computed; a line that cannot be
     solved is NaN in the results, with the reason in `remark`.
     """
     start = time.perf_counter()
-    model, expected = decided_model(build_model(case))
     frequency = np.array(case.frequency.lines())
-    spectrum = solve_case([model.problem], model.case, jobs or cores(), progress)[0]
+    executor = executor_of(jobs or cores(), len(frequency))
+    model, expected = decided_model(build_model(case))
+    spectrum = solve_case([model.problem], model.case, executor, progress)[0]
     numbers = {**sizes(model), **expected, "seconds": time.perf_counter() - start}
     return results_of(model, frequency, spectrum, case_text, numbers)
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def sizes(model: Model) -> dict[str, float | int]:

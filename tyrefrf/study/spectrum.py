@@ -5,18 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
-from tyrefrf.solvers import Line, Maker, RingProblem, answer, prepare
-from tyrefrf.study.executor import map_unordered
+from tyrefrf.solvers import Line, Maker, RingProblem, answer, no_answer, prepare
+from tyrefrf.solvers import Solver as RingSolver
+from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
 
 if TYPE_CHECKING:
     from tyrefrf.case import Solver
 
-CHUNKS_PER_JOB = 8  # both cores finish together to within an eighth, and start-up is paid once
+CHUNKS_PER_JOB = 8  # both cores finish together to within an eighth
 CHUNKS_PER_JOB_IN_ALL = 64  # of many problems: a chunk need not be shorter than that
 LONGEST_CHUNK = 64  # lines: a chunk is also how often progress is shown
 
@@ -58,14 +60,24 @@ class Fit:
     error: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Chunk:
-    """Some lines [Hz] of one problem, by their numbers: what a worker is given at a time."""
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+class Lines:
+    """All lines [Hz] of one problem: a process is given this once, and makes the solver once."""
 
-    number: int
     problem: RingProblem
     make_solver: Maker
     frequency: FloatArray
+
+    def __call__(self) -> Callable[[Chunk], list[TimedLine]]:
+        """What solves some of them."""
+        return partial(_solve_chunk, self, self.make_solver())
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Some lines of a problem, by their numbers: what a process is given at a time."""
+
+    number: int
     lines: Sequence[int]
 
 
@@ -83,22 +95,23 @@ def solve_spectrum(
     problem: RingProblem,
     solver: Solver,
     frequency: FloatArray,
-    jobs: int,
+    workers: Workers,
     progress: Progress = lambda n_lines: None,
 ) -> Spectrum:
     """Solve every frequency line [Hz] by the solver that the case chose.
 
-    The answer does not depend on `jobs`. A line without an answer is NaN with its reason.
+    The answer does not depend on the workers. A line without an answer is NaN with its reason; so
+    is one that kills its process twice.
     Raises SolveError where no line could be solved: too little memory, a library that is missing.
     """
-    return solve_spectra([problem], solver, frequency, jobs, progress)[0]
+    return solve_spectra([problem], solver, frequency, workers, progress)[0]
 
 
 def solve_spectra(
     problems: Sequence[RingProblem],
     solver: Solver,
     frequency: FloatArray,
-    jobs: int,
+    workers: Workers,
     progress: Progress = lambda n_lines: None,
 ) -> list[Spectrum]:
     """The same for several problems at the same lines, in their order.
@@ -106,9 +119,10 @@ def solve_spectra(
     One pool works at all of them: no process waits for a problem's last line.
     """
     n = len(frequency)
-    gathered = [Gathered.prepared(problem, solver, frequency, jobs) for problem in problems]
-    length = _chunk_length(n, len(problems), jobs)
-    solve_lines(gathered, [range(n)] * len(problems), length, jobs, progress)
+    executor = executor_of(workers, n * len(problems))
+    gathered = [Gathered.prepared(problem, solver, frequency, executor) for problem in problems]
+    length = _chunk_length(n, len(problems), executor.jobs)
+    solve_lines(gathered, [range(n)] * len(problems), length, executor, progress)
     return [found.spectrum() for found in gathered]
 
 
@@ -116,16 +130,16 @@ def solve_lines(
     gathered: Sequence[Gathered],
     lines: Sequence[Sequence[int]],
     length: int,
-    jobs: int,
+    executor: Executor,
     progress: Progress,
 ) -> None:
-    """Solve some lines of each problem and gather them; `length` of them go to a worker at once."""
-    chunks = [
-        Chunk(number, found.problem, found.make_solver, found.frequency, wanted[i : i + length])
+    """Solve some lines of each problem and gather them; a process gets `length` of them at once."""
+    tasks = (
+        Task(found.lines, Chunk(number, wanted[i : i + length]))
         for number, (found, wanted) in enumerate(zip(gathered, lines, strict=True))
         for i in range(0, len(wanted), length)
-    ]
-    for solved in map_unordered(_solve_chunk, chunks, jobs):
+    )
+    for solved in map_unordered(tasks, executor, _failed, _by_line):
         for done in solved:
             gathered[done.number].add(done)
         progress(len(solved))
@@ -144,7 +158,7 @@ class Gathered:
     def __init__(
         self, problem: RingProblem, make_solver: Maker, frequency: FloatArray, prepare_time: float
     ) -> None:
-        self.problem, self.make_solver, self.frequency = problem, make_solver, frequency
+        self.lines = Lines(problem, make_solver, frequency)
         self.prepare_time = prepare_time
         n_lines = len(frequency)
         shape = (problem.probes.shape[1], problem.n_loads, n_lines)
@@ -154,11 +168,11 @@ class Gathered:
 
     @classmethod
     def prepared(
-        cls, problem: RingProblem, solver: Solver, frequency: FloatArray, jobs: int
+        cls, problem: RingProblem, solver: Solver, frequency: FloatArray, executor: Executor
     ) -> Gathered:
         """No line yet, but all that the solver does before the first."""
         begun = time.perf_counter()
-        make = prepare(problem, solver, jobs)
+        make = prepare(problem, solver, executor.here)
         return cls(problem, make, frequency, time.perf_counter() - begun)
 
     def add(self, done: TimedLine) -> None:
@@ -175,13 +189,31 @@ class Gathered:
         )
 
 
-def _solve_chunk(chunk: Chunk) -> list[TimedLine]:
+def _solve_chunk(of: Lines, solver: RingSolver, chunk: Chunk) -> list[TimedLine]:
     """Solve some lines; one that fails is data."""
-    problem = chunk.problem
-    solver = chunk.make_solver()
-    lines = []
+    solved = []
     for index in chunk.lines:
         start = time.perf_counter()
-        line = answer(problem, solver, 2.0 * np.pi * float(chunk.frequency[index]))
-        lines.append(TimedLine(chunk.number, index, line, time.perf_counter() - start))
-    return lines
+        line = answer(of.problem, solver, 2.0 * np.pi * float(of.frequency[index]))
+        solved.append(TimedLine(chunk.number, index, line, time.perf_counter() - start))
+    return solved
+
+
+def _by_line(task: Task[Chunk, list[TimedLine]]) -> list[Task[Chunk, list[TimedLine]]]:
+    """The lines of a chunk whose process died: one of them may be to blame, or none."""
+    return [Task(task.make, Chunk(task.item.number, [index])) for index in task.item.lines]
+
+
+def _failed(task: Task[Chunk, list[TimedLine]], reason: str) -> list[TimedLine]:
+    """What stands for lines that kill their process; the time they took counts as nothing."""
+    of = task.make
+    assert isinstance(of, Lines)
+    return [
+        TimedLine(
+            task.item.number,
+            index,
+            no_answer(of.problem, f"{of.frequency[index]:.6g} Hz: {reason}"),
+            0.0,
+        )
+        for index in task.item.lines
+    ]

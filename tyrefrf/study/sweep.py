@@ -13,18 +13,20 @@ from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
 from tyrefrf.results import SweepResults
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.choose import decided, with_solver
+from tyrefrf.study.executor import Workers, executor_of
+from tyrefrf.study.local import cores
 from tyrefrf.study.model import Workshop
-from tyrefrf.study.run import cores, provenance_of, results_of, sizes
+from tyrefrf.study.run import provenance_of, results_of, sizes
 from tyrefrf.study.spectrum import Progress
 
 
 def sweep(
-    case: Case | str | Path, parameters: Mapping[str, Values | None], *, jobs: int | None = None
+    case: Case | str | Path, parameters: Mapping[str, Values | None], *, jobs: Workers | None = None
 ) -> SweepResults:
     """Compute a case on a grid: `tyrefrf.sweep("case.toml", {"E_rubber": ["14 MPa", 28e6]})`.
 
     parameters: by place or short name, each with its values as `[sweep]` takes them, or None for
-    the values in the case's own `[sweep]`. jobs: processes, all cores by default.
+    the values in the case's own `[sweep]`. jobs: as `run` takes them.
     Raises CaseError with everything that is wrong with any point.
     """
     wanted = {
@@ -40,7 +42,7 @@ def sweep(
 def run_sweep(
     grid: Grid,
     *,
-    jobs: int | None = None,
+    jobs: Workers | None = None,
     case_text: str = "",
     progress: Progress = lambda n_lines: None,
 ) -> SweepResults:
@@ -51,12 +53,13 @@ def run_sweep(
     meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
     """
     start = time.perf_counter()
+    frequency = np.array(grid.base.frequency.lines())
+    executor = executor_of(jobs or cores(), len(frequency) * len(grid.cases))
     models = grid.each(Workshop().model)
     base, expected = decided(grid.base, models[0].problem)
     models = [replace(model, case=with_solver(model.case, base.solver.name)) for model in models]
-    frequency = np.array(base.frequency.lines())
     problems = [model.problem for model in models]
-    spectra = solve_case(problems, base, jobs or cores(), progress)
+    spectra = solve_case(problems, base, executor, progress)
     seconds = time.perf_counter() - start
     return SweepResults(
         axes=grid.axes,

@@ -1,0 +1,193 @@
+"""The cores of this machine: this process, or clean interpreters that joblib's loky starts."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+import threading
+import weakref
+from collections.abc import Callable
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+Make = Callable[[], Callable[[Any], Any]]
+"""Makes a function in the process that is to call it; may be sent there."""
+
+KEPT = 2
+"""Functions that a process keeps, with their solvers: one that ends, one that begins."""
+
+IDLE = 300.0  # seconds after which an idle process ends
+
+ONE_THREAD = dict.fromkeys(
+    ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
+)
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Here:
+    """No other process: a task is done where it is submitted."""
+
+    jobs = here = 1
+
+    def __init__(self) -> None:
+        self._made = lru_cache(maxsize=KEPT)(_made_by)
+
+    def submit(self, make: Make, item: Any) -> Future[Any]:
+        """Done when this returns."""
+        future: Future[Any] = Future()
+        future.set_result(self._made(make)(item))
+        return future
+
+    def look(self) -> None:
+        """Nobody is looked for."""
+
+    def death(self, done: Future[Any]) -> str:
+        """It would be everybody's."""
+        return ""
+
+    def stop(self) -> None:
+        """Nothing is under way."""
+
+
+def _made_by(make: Make) -> Callable[[Any], Any]:
+    return make()
+
+
+@lru_cache(maxsize=1)
+def local(jobs: int) -> Local:
+    """So many processes; those that there are, for whoever wants as many next."""
+    return Local(jobs)
+
+
+class Local:
+    """Processes of this machine; they start, and import what is needed, as this is made.
+
+    A pool of its own: the one that joblib and its users share would fail them once it has been
+    asked for by `get_reusable_executor` (joblib 1.6: no attribute '_temp_folder_manager').
+    """
+
+    def __init__(self, jobs: int) -> None:
+        self.jobs = jobs
+        self._files: weakref.WeakKeyDictionary[Make, Path] = weakref.WeakKeyDictionary()
+        self._processes: Any = None
+        self._submit(_nothing)
+
+    @property
+    def here(self) -> int:
+        """All of them."""
+        return self.jobs
+
+    def submit(self, make: Make, item: Any) -> Future[Any]:
+        """In the first process that is free."""
+        return self._submit(_call, self._file(make), item)
+
+    def _submit(self, *work: Any) -> Future[Any]:
+        """To the processes that there are, or to new ones where one has died."""
+        if self._processes is not None:
+            with suppress(BrokenProcessPool):
+                return self._processes.submit(*work)
+        self._processes = _processes(self.jobs)
+        return self._processes.submit(*work)
+
+    def _file(self, make: Make) -> Path:
+        """What `make` needs, written once; there for as long as somebody may want to call it."""
+        if make not in self._files:
+            import joblib
+
+            path = Path(tempfile.gettempdir()) / f"tyrefrf-{uuid4().hex}"
+            weakref.finalize(make, _remove, path)
+            joblib.dump(make, path)
+            self._files[make] = path
+        return self._files[make]
+
+    def look(self) -> None:
+        """A process that dies breaks the pool, and who waits is told."""
+
+    def death(self, done: Future[Any]) -> str:
+        """The pool says that some process died, not whose."""
+        error = done.exception()
+        if not isinstance(error, BrokenProcessPool):
+            return ""
+        how = re.search(r"\{(.+)\}", str(error))
+        how_many = "its worker process died twice"
+        return f"{how_many} ({how[1] if how else error}): killed, or out of memory?"
+
+    def stop(self) -> None:
+        """The processes are killed; new ones come where there is more to do."""
+        if self._processes is not None:
+            self._processes.shutdown(kill_workers=True)
+            self._processes = None
+
+
+def _processes(jobs: int) -> Any:
+    from joblib.externals.loky import ProcessPoolExecutor
+
+    return ProcessPoolExecutor(jobs, timeout=IDLE, initializer=_begin, env=ONE_THREAD)
+
+
+def _begin() -> None:
+    """What a new process does first: import all that computes, beside the one that wants it.
+
+    What it keeps would be taken for a leak by loky, which ends a process that has grown by 300 MB
+    since its first task; without that it collects garbage every second, for which all that has
+    been imported need not be looked through.
+    """
+    import gc
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's, who then ends this
+    from joblib.externals.loky import process_executor
+
+    import tyrefrf.study.spectrum  # noqa: F401
+
+    process_executor._USE_PSUTIL = False
+    one_blas_thread()
+    gc.freeze()
+
+
+def one_blas_thread() -> None:
+    """Limit this process, for good."""
+    from threadpoolctl import threadpool_limits
+
+    threadpool_limits(limits=1, user_api="blas")
+
+
+def _nothing() -> None:
+    """The first task, for which the processes are started."""
+
+
+def _call(path: Path, item: Any) -> Any:
+    """What a process does."""
+    return _kept.made(path)(item)
+
+
+def _read(path: Path) -> Callable[[Any], Any]:
+    """The function; its arrays are those of the file, read-only, and shared by all who read."""
+    import joblib
+
+    return joblib.load(path, mmap_mode="r")()
+
+
+class _Kept(threading.local):
+    """What a thread has made."""
+
+    def __init__(self) -> None:
+        self.made = lru_cache(maxsize=KEPT)(_read)
+
+
+_kept = _Kept()
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):  # Windows keeps what is mapped
+        path.unlink(missing_ok=True)
