@@ -16,7 +16,7 @@ from benchmarks.command import Outcome, run_case_file
 from benchmarks.machine import description, interleaved, table
 from benchmarks.tyres import tyres, with_lines, with_solver
 from tyrefrf.case import Case
-from tyrefrf.study.run import cores
+from tyrefrf.study.local import cores
 
 COUNTS = (10, 100, 1000, 2001)
 RUNS = (

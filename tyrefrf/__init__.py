@@ -35,8 +35,12 @@ if TYPE_CHECKING:
         write_results,
         write_sweep,
     )
+    from tyrefrf.results.deflection import Deflection, mode_deflection
+    from tyrefrf.results.vtkhdf import write_vtkhdf
+    from tyrefrf.results.vtu import write_vtu
     from tyrefrf.study.cluster import cluster
     from tyrefrf.study.compare import compare
+    from tyrefrf.study.deflection import deflections
     from tyrefrf.study.dispersion import dispersion
     from tyrefrf.study.modes import modes
     from tyrefrf.study.run import run
@@ -44,12 +48,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Comparison",
+    "Deflection",
     "Dispersion",
     "Modes",
     "Results",
     "SweepResults",
     "cluster",
     "compare",
+    "deflections",
     "dispersion",
     "load_case",
     "load_comparison",
@@ -57,22 +63,27 @@ __all__ = [
     "load_modes",
     "load_results",
     "load_sweep",
+    "mode_deflection",
     "modes",
     "run",
     "sweep",
     "to_xarray",
     "write_results",
     "write_sweep",
+    "write_vtkhdf",
+    "write_vtu",
 ]
 
 _HOME = {
     "Comparison": "tyrefrf.results",
+    "Deflection": "tyrefrf.results.deflection",
     "Dispersion": "tyrefrf.results",
     "Modes": "tyrefrf.results",
     "Results": "tyrefrf.results",
     "SweepResults": "tyrefrf.results",
     "cluster": "tyrefrf.study.cluster",
     "compare": "tyrefrf.study.compare",
+    "deflections": "tyrefrf.study.deflection",
     "dispersion": "tyrefrf.study.dispersion",
     "load_case": "tyrefrf.case",
     "load_comparison": "tyrefrf.results",
@@ -80,12 +91,15 @@ _HOME = {
     "load_modes": "tyrefrf.results",
     "load_results": "tyrefrf.results",
     "load_sweep": "tyrefrf.results",
+    "mode_deflection": "tyrefrf.results.deflection",
     "modes": "tyrefrf.study.modes",
     "run": "tyrefrf.study.run",
     "sweep": "tyrefrf.study.sweep",
     "to_xarray": "tyrefrf.results",
     "write_results": "tyrefrf.results",
     "write_sweep": "tyrefrf.results",
+    "write_vtkhdf": "tyrefrf.results.vtkhdf",
+    "write_vtu": "tyrefrf.results.vtu",
 }
 
 

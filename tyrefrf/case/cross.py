@@ -18,7 +18,8 @@ REGIONS = ("tread", "belt", "bead")
 def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield what is wrong between the tables of a case, given as plain data of any quality."""
     yield from _material_faults(_table(data, "geometry"), _table(data, "materials"))
-    yield from reach_faults(_table(data, "materials"), data.get("frequency"))
+    deflections = _table(data, "output").get("deflections", ())
+    yield from reach_faults(_table(data, "materials"), data.get("frequency"), deflections)
     yield from _inflation_faults(_table(data, "inflation"), _table(data, "cell"))
     loads, probes = _entries(data, "loads"), _entries(data, "probes")
     hubs = [i for i, probe in probes.items() if probe.get("kind") == "hub"]

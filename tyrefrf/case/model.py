@@ -13,8 +13,8 @@ from pydantic import Field
 
 from tyrefrf.case.cell import Cell
 from tyrefrf.case.cross import cross_faults
-from tyrefrf.case.faults import Fault
-from tyrefrf.case.frequency import Frequency
+from tyrefrf.case.faults import Fault, number_text
+from tyrefrf.case.frequency import Frequency, Hertz
 from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.material import Material
@@ -40,11 +40,21 @@ class Output(Table):
     plots: tuple[PlotFormat, ...] = Field(
         ("png",), strict=False, description="formats of the plots; an empty list draws none"
     )
+    deflections: tuple[Hertz, ...] = Field(
+        (),
+        strict=False,
+        max_length=1000,
+        description="run: frequencies [Hz] at which the motion of the whole tyre under every load "
+        "is written for ParaView and drawn; they need not be frequency lines",
+    )
 
     def _faults(self) -> Iterator[Fault]:
         for i, plot in enumerate(self.plots):
             if plot in self.plots[:i]:
                 yield Fault(("plots", i), f"'{plot}' is listed twice")
+        for i, frequency in enumerate(self.deflections):
+            if frequency in self.deflections[:i]:
+                yield Fault(("deflections", i), f"{number_text(frequency)} Hz is listed twice")
 
 
 class Case(Table):

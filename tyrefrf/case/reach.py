@@ -1,14 +1,14 @@
-"""The rule that a table of moduli reaches over all frequency lines."""
+"""The rule that a table of moduli reaches over all frequency lines, and over deflections."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from tyrefrf.case.faults import Fault, number_text
-from tyrefrf.case.frequency import Frequency
+from tyrefrf.case.frequency import Frequency, Hertz
 from tyrefrf.case.modulus import TabledModulus
 from tyrefrf.case.table import Table
 from tyrefrf.errors import Key
@@ -16,15 +16,17 @@ from tyrefrf.errors import Key
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
-def reach_faults(materials: dict[str, Any], frequency: object) -> Iterator[Fault]:
-    """Yield the tables of moduli that end short of a frequency line, from plain data."""
+def reach_faults(
+    materials: dict[str, Any], frequency: object, deflections: object = ()
+) -> Iterator[Fault]:
+    """Yield the tables of moduli that end short of a line or a deflection, from plain data."""
     lines = _read(Frequency, frequency)
     if lines is None:
         return  # the table's own error says it
     for key, data in _moduli(materials):
         modulus = _read(TabledModulus, data)
         if modulus is not None and not modulus.extrapolate:
-            message = _short(modulus, lines.lines())
+            message = _short(modulus, lines.lines() + _hertz(deflections))
             if message:
                 yield Fault((*key, "frequencies"), message)
 
@@ -54,6 +56,14 @@ def _short(modulus: TabledModulus, lines: list[float]) -> str:
         f"{number_text(low)} to {number_text(high)} Hz; add rows, or let extrapolate = true hold "
         "the end values"
     )
+
+
+def _hertz(data: object) -> list[float]:
+    """A list of frequencies from plain data; none where it is not one: its own error says it."""
+    try:
+        return list(TypeAdapter(tuple[Hertz, ...]).validate_python(data))
+    except ValidationError:
+        return []
 
 
 def _read(kind: type[AnyTable], data: object) -> AnyTable | None:

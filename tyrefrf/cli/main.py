@@ -276,6 +276,12 @@ def modes(
     at_rest: Annotated[
         bool, typer.Option("--at-rest", help="Leave the case's inflation away.")
     ] = False,
+    vtk: Annotated[
+        int,
+        typer.Option(
+            min=0, metavar="N", help="Write the N lowest shapes for ParaView, and draw them in 3-D."
+        ),
+    ] = 0,
     output: Annotated[
         Optional[Path],  # noqa: UP045
         typer.Option(help="Directory; results/<case name>_modes by default."),
@@ -298,6 +304,7 @@ def modes(
     \b
       tyrefrf modes case.toml
       tyrefrf modes case.toml --below 500 --at-rest
+      tyrefrf modes case.toml --count 40 --vtk 6
       tyrefrf modes case.toml --count 400 --at 200 --json > modes.json
     """
     from tyrefrf.cli.modes import modes_to_files
@@ -310,6 +317,7 @@ def modes(
             below,
             at,
             _names(formats),
+            vtk=vtk,
             at_rest=at_rest,
             force=force,
             json=json,

@@ -26,14 +26,17 @@ def modes_to_files(
     at: float | None,
     formats: Sequence[str],
     *,
+    vtk: int = 0,
     at_rest: bool,
     force: bool,
     json: bool,
 ) -> int:
     """Compute natural modes, write results and plots, print the table; the exit status, 0.
 
+    vtk: of how many of the lowest modes the shapes are written as VTK files and drawn.
     Raises CommandError where both `count` and `below` are given.
     """
+    from tyrefrf.cli.fields import check_fields, shapes_to_files
     from tyrefrf.plots import draw_plots
     from tyrefrf.results import write_modes
     from tyrefrf.study.modes import modes_of_case
@@ -43,12 +46,16 @@ def modes_to_files(
     start = time.perf_counter()
     case, text = read_case(case_file, None)
     target = new_target(output, f"{case.name}_modes", force=force)
+    if vtk:
+        check_fields(target.parent, ["mode"], force=force)
     with in_file(case_file, text):
         found = modes_of_case(
             case, count=count, below=below, at=at, at_rest=at_rest, case_text=text
         )
     write_modes(target, found)
-    drawn = draw_plots(found, target.parent / "plots", formats or case.output.plots)
+    formats = formats or case.output.plots
+    drawn = draw_plots(found, target.parent / "plots", formats)
+    drawn += shapes_to_files(found, vtk, target.parent, formats)
     facts = modes_summary(found, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_modes(facts))
     return 0

@@ -159,10 +159,21 @@ def describe_run(facts: dict[str, Any]) -> str:
         *picked_lines(facts),
         *proof_lines(facts),
         *_certificate_lines(facts),
+        *_deflection_lines(facts["deflections"]),
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),
     ]
     return "\n".join(lines)
+
+
+def _deflection_lines(found: dict[str, Any]) -> list[str]:
+    """How many deflections were made beside the lines, and what their equations say."""
+    n, n_failed = len(found["frequencies"]), len(found["failed"])
+    if n + n_failed == 0:
+        return []
+    worst = f", residual {number_text(found['largest_residual'])} at most" if n else ""
+    failed = f", {n_failed} FAILED" if n_failed else ""
+    return [f"  fields    of all loads on {n} line(s){worst}{failed}"]
 
 
 def picked_lines(facts: dict[str, Any]) -> list[str]:

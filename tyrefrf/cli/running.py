@@ -39,12 +39,15 @@ def run_to_files(
     n_lines = len(case.frequency.lines())
     with workers_of(jobs, scheduler, n_lines) as workers:
         # Imported while the processes start.
+        from tyrefrf.cli.fields import check_fields, deflections_to_files, load_names
         from tyrefrf.cli.progress import progress_of
         from tyrefrf.cli.report import as_json, describe_run, summary
         from tyrefrf.plots import draw_plots
         from tyrefrf.results import write_results
         from tyrefrf.study.run import run_case
 
+        if case.output.deflections:
+            check_fields(target.parent, load_names(case), force=force)
         with progress_of(n_lines, case.name) as progress, in_file(case_file, text):
             results = run_case(case, jobs=workers, case_text=text, progress=progress)
         write_results(target, results)
@@ -52,7 +55,9 @@ def run_to_files(
             results = _certified(case, results, workers)
             write_results(target, results)
     drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
-    facts = summary(results, [target, *drawn]) | {"seconds": time.perf_counter() - start}
+    fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
+    facts = summary(results, [target, *drawn, *fields.files])
+    facts |= {"deflections": fields.facts, "seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_run(facts))
     return status_of(facts)
 
@@ -114,9 +119,10 @@ def status_of(facts: dict[str, Any]) -> int:
     from tyrefrf.cli.report import first_of
 
     breaches = facts.get("breaches", [])  # a comparison has none
-    for line in (*facts["failed"], *first_of(breaches)):
+    failed = [*facts["failed"], *facts.get("deflections", {}).get("failed", [])]
+    for line in (*failed, *first_of(breaches)):
         print(line, file=sys.stderr)
-    return 1 if facts["failed"] or breaches else 0
+    return 1 if failed or breaches else 0
 
 
 def check_case(case_file: Path | None, solver: str | None, jobs: int | None, *, json: bool) -> None:

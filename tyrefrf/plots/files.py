@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from matplotlib.figure import Figure
 
 from tyrefrf.errors import ResultsError
 from tyrefrf.plots.comparison import comparison_figures
+from tyrefrf.plots.deflection import deflection_figures
 from tyrefrf.plots.dispersion import dispersion_figures
 from tyrefrf.plots.driving import driving_figures
 from tyrefrf.plots.hub import hub_figures
@@ -21,24 +21,25 @@ from tyrefrf.plots.section import section_figure
 from tyrefrf.plots.style import house_style
 from tyrefrf.plots.sweep import sweep_figures
 from tyrefrf.results.comparison import Comparison
+from tyrefrf.results.deflection import Deflection
 from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.modes import Modes
+from tyrefrf.results.names import file_name, unique
 from tyrefrf.results.reader import Content
 from tyrefrf.results.results import Results
 from tyrefrf.results.sweep import SweepResults
 from tyrefrf.results.whole import whole_file
 
 FORMATS = ("png", "pdf", "svg")
-LONGEST = 80  # characters of a load's name in a file name
 
 
 def draw_plots(
-    results: Content, directory: str | Path, formats: Sequence[str] = ("png",)
+    results: Content | Deflection, directory: str | Path, formats: Sequence[str] = ("png",)
 ) -> list[Path]:
     """Draw every figure of the results into a directory; the files written, in order.
 
-    results: of any kind that a file may hold. formats: "png", "pdf" or "svg", one file of each
-    for every figure; files of the same names are replaced.
+    results: of any kind that a file may hold, or a deflection. formats: "png", "pdf" or "svg",
+    one file of each for every figure; files of the same names are replaced.
     Raises ResultsError for another format or where a file cannot be written.
     """
     return _draw(FIGURES[type(results)](results), directory, formats)
@@ -66,9 +67,9 @@ def _figures_of_run(results: Results) -> Iterator[tuple[str, Figure]]:
     """Every figure with the stem of its file's name."""
     taken: set[str] = set()
     for load in results.loads:
-        stem = f"mobility_{_file_name(load.name)}"
+        stem = f"mobility_{file_name(load.name)}"
         for number, figure in enumerate(mobility_figures(results, load), start=1):
-            yield _unique(f"{stem}_{number}" if number > 1 else stem, taken), figure
+            yield unique(f"{stem}_{number}" if number > 1 else stem, taken), figure
     for figure in driving_figures(results):
         yield "driving_points", figure
     for figure in hub_figures(results):
@@ -82,16 +83,16 @@ def _figures_of_sweep(sweep: SweepResults) -> Iterator[tuple[str, Figure]]:
     """Every figure of a sweep; the section only where it is the same at every point."""
     taken: set[str] = set()
     for stem, figure in sweep_figures(sweep):
-        yield _unique(_file_name(stem), taken), figure
+        yield unique(file_name(stem), taken), figure
     if sweep.has_one_section:
-        yield _unique("section", taken), section_figure(sweep.points[0])
+        yield unique("section", taken), section_figure(sweep.points[0])
 
 
 def _figures_of_comparison(comparison: Comparison) -> Iterator[tuple[str, Figure]]:
     """Every figure of a comparison."""
     taken: set[str] = set()
     for stem, figure in comparison_figures(comparison):
-        yield _unique(_file_name(stem), taken), figure
+        yield unique(file_name(stem), taken), figure
 
 
 FIGURES: dict[type, Callable[[Any], Iterator[tuple[str, Figure]]]] = {
@@ -100,23 +101,9 @@ FIGURES: dict[type, Callable[[Any], Iterator[tuple[str, Figure]]]] = {
     Dispersion: dispersion_figures,
     Modes: mode_figures,
     Comparison: _figures_of_comparison,
+    Deflection: deflection_figures,
 }
 """The figures of each kind of results, with the stems of their files' names."""
-
-
-def _file_name(name: str) -> str:
-    """A load's name without what a file system or a shell could misread."""
-    return re.sub(r"[^\w.-]+", "_", name)[:LONGEST]
-
-
-def _unique(stem: str, taken: set[str]) -> str:
-    """The stem, numbered where it is taken, also by one that differs in case only."""
-    candidate, number = stem, 1
-    while candidate.casefold() in taken:
-        number += 1
-        candidate = f"{stem}-{number}"
-    taken.add(candidate.casefold())
-    return candidate
 
 
 def _save(figure: Figure, path: Path, form: str) -> None:

@@ -18,6 +18,7 @@ from tyrefrf.solvers.problem import (
     answer,
     no_answer,
     responses,
+    solve_field,
     solve_line,
 )
 from tyrefrf.solvers.recursive import Recursive
@@ -70,5 +71,6 @@ __all__ = [
     "no_answer",
     "prepare",
     "responses",
+    "solve_field",
     "solve_line",
 ]

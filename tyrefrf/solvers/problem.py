@@ -156,8 +156,8 @@ class Solver(Protocol):
         ...
 
 
-def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
-    """Solve one line and check it against the ring's own equations.
+def solve_field(problem: RingProblem, solver: Solver, omega: float) -> Field:
+    """Solve one line for the whole ring and check it against the ring's own equations.
 
     omega: [rad/s]. Raises SolveError, which names the frequency, where there is no answer.
     """
@@ -171,6 +171,12 @@ def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
             f"{field.residual:.1e}): an undamped resonance lies on this line, or nothing holds "
             "the tyre; add a loss factor, fix the rim, or move the line"
         )
+    return field
+
+
+def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
+    """What the probes see of one line. Raises SolveError as `solve_field`."""
+    field = solve_field(problem, solver, omega)
     return Line(responses(problem, field), field.residual, field.remark)
 
 
