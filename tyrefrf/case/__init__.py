@@ -1,6 +1,7 @@
 """Case files: TOML becomes a frozen, validated `Case`, or one `CaseError` with every problem."""
 
 from tyrefrf.case.cell import Cell
+from tyrefrf.case.digest import read_bytes, unreadable
 from tyrefrf.case.frequency import Frequency
 from tyrefrf.case.geometry import Bead, Belt, Geometry, Thickness, Tread
 from tyrefrf.case.grid import Grid, make_grid
@@ -16,6 +17,7 @@ from tyrefrf.case.material import (
     Transverse,
     Viscoelastic,
 )
+from tyrefrf.case.measured import Columns, Dof, MeasuredFile
 from tyrefrf.case.model import Case, Damping, Output
 from tyrefrf.case.modulus import FractionalZener, ModulusLaw, PronySeries, Shift, TabledModulus
 from tyrefrf.case.places import (
@@ -44,8 +46,10 @@ __all__ = [
     "Belt",
     "Case",
     "Cell",
+    "Columns",
     "Cord",
     "Damping",
+    "Dof",
     "FractionalZener",
     "Frequency",
     "Geometry",
@@ -55,6 +59,7 @@ __all__ = [
     "Isotropic",
     "Load",
     "Material",
+    "MeasuredFile",
     "ModulusLaw",
     "NodeLoad",
     "NodeProbe",
@@ -86,9 +91,11 @@ __all__ = [
     "load_case",
     "make_grid",
     "parse_case",
+    "read_bytes",
     "read_text",
     "resolved",
     "resolved_toml",
     "starter_text",
+    "unreadable",
     "with_lines",
 ]

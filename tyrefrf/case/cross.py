@@ -30,6 +30,8 @@ def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _repeated("loads", load_names)
     yield from _repeated("probes", names)
     yield from _reserved(names, load_names)
+    moving = {i: name for i, name in names.items() if i not in hubs}
+    yield from _measured_faults(_entries(data, "measured"), load_names, moving)
 
 
 def _material_faults(geometry: dict[str, Any], materials: dict[str, Any]) -> Iterator[Fault]:
@@ -82,6 +84,23 @@ def _reserved(names: dict[int, object], load_names: dict[int, object]) -> Iterat
         if isinstance(name, str) and name in drives:
             owner = f"the driving point of load {shown(drives[name])}"
             yield Fault(("probes", i, "name"), f"{shown(name)} is reserved for {owner}")
+
+
+def _measured_faults(
+    measured: dict[int, dict[str, Any]],
+    load_names: dict[int, object],
+    probe_names: dict[int, object],
+) -> Iterator[Fault]:
+    """Curves of loads and probes that the case has not."""
+    loads = [name for name in load_names.values() if isinstance(name, str)]
+    probes = [name for name in probe_names.values() if isinstance(name, str)]
+    there = {"load": loads, "probe": [*(f"{name}.drive" for name in loads), *probes]}
+    for i, entry in measured.items():
+        for key, names in there.items():
+            name = entry.get(key)
+            if isinstance(name, str) and name not in names:
+                hint = did_you_mean(name, names) or f"; there are {', '.join(names)}"
+                yield Fault(("measured", i, key), f"no {key} {shown(name)} in this case{hint}")
 
 
 def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:

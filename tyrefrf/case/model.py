@@ -7,9 +7,10 @@ plain dict (picklable), not to be changed.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from tyrefrf.case.cell import Cell
 from tyrefrf.case.cross import cross_faults
@@ -18,6 +19,7 @@ from tyrefrf.case.frequency import Frequency, Hertz
 from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.material import Material
+from tyrefrf.case.measured import MeasuredFile
 from tyrefrf.case.places import Load, Probe
 from tyrefrf.case.solver import Solver
 from tyrefrf.case.sweep import Sweep
@@ -82,6 +84,14 @@ class Case(Table):
     probes: tuple[Probe, ...] = Field(
         (), strict=False, max_length=10_000, description="the probes, each as [[probes]]"
     )
+    sensors: Literal["roving", "mounted"] = Field(
+        "roving",
+        description="sensors with a sensor_mass: roving: one at a time, each seen by its own probe "
+        "alone; mounted: all at once, seen by every probe and driving point",
+    )
+    measured: tuple[MeasuredFile, ...] = Field(
+        (), strict=False, max_length=1000, description="measured responses, each as [[measured]]"
+    )
     solver: Solver = Field(Solver(), description="how the ring is solved")
     output: Output = Field(Output(), description="what is written beside the results")
     sweep: Sweep = Field(
@@ -89,6 +99,19 @@ class Case(Table):
         description="values that `tyrefrf sweep --param NAME` takes: a list, or "
         '{ range = [first, last], count = n, spacing = "linear" }',
     )
+
+    _directory: Path = PrivateAttr(Path())
+
+    @property
+    def directory(self) -> Path:
+        """Where the files are that the case names: the directory of its own file."""
+        return self._directory
+
+    def placed_in(self, directory: Path) -> Self:
+        """The same case, whose files are in another directory; that is no part of its data."""
+        placed = self.model_copy()
+        placed._directory = directory
+        return placed
 
     def _faults(self) -> Iterator[Fault]:
         yield from cross_faults(self.model_dump())

@@ -18,7 +18,10 @@ from tyrefrf.case.sweep import Range, Values
 from tyrefrf.case.units import Quantity
 from tyrefrf.errors import CaseError, Key, Problem
 
-FIXED = ("name", "title", "frequency", "loads", "probes", "solver", "output", "sweep")
+FIXED = (
+    *("name", "title", "frequency", "loads", "probes", "sensors", "measured"),
+    *("solver", "output", "sweep"),
+)
 """Tables of the case that are the same at every point: they make the results' other axes."""
 
 _STRICT = ConfigDict(strict=True, allow_inf_nan=False)

@@ -9,17 +9,22 @@ from pydantic import AfterValidator, Field, Tag
 
 from tyrefrf.case.faults import Fault, refusal
 from tyrefrf.case.table import Name, Table, by_kind
-from tyrefrf.case.units import ANGLE, LENGTH, Quantity
+from tyrefrf.case.units import ANGLE, LENGTH, MASS, Quantity
 
 Direction = Literal["r", "y", "theta"]
 Surface = Literal["outer", "inner"]
 ArcFraction = Annotated[float, Field(ge=0, le=1)]
+SensorMass = Annotated[float, Quantity(MASS, gt=0, le=100)]
 
 _NAME = "name, unique among the loads or the probes; one line of up to 100 characters"
 _SURFACE = "surface of the tyre: outer or inner"
 _S = (
     "place along the surface as a fraction of its length [-], from 0 at the rim with y < 0 "
     "by 0.5 at mid-tread to 1 at the rim with y > 0"
+)
+_SENSOR_MASS = (
+    "mass of an accelerometer at the place [kg], which takes part in the motion in all three "
+    "directions: the response is what the sensor sees"
 )
 
 
@@ -91,18 +96,21 @@ class PointProbe(OnSurface):
     """The response at a point, interpolated in the mesh."""
 
     kind: Literal["point"] = Field("point", description="response at a point, interpolated")
+    sensor_mass: SensorMass | None = Field(None, description=_SENSOR_MASS)
 
 
 class NodeProbe(AtNode):
     """The response of a node."""
 
     kind: Literal["node"] = Field(description="response of a node of the mesh")
+    sensor_mass: SensorMass | None = Field(None, description=_SENSOR_MASS)
 
 
 class PatchProbe(OnPatch):
     """The response averaged over a disc."""
 
     kind: Literal["patch"] = Field(description="response averaged over a disc")
+    sensor_mass: SensorMass | None = Field(None, description=_SENSOR_MASS)
 
 
 class HubProbe(Table):

@@ -25,6 +25,7 @@ ANGLE: Units = {"deg": "1", "rad": "57.2957795130823208768"}  # 180/pi
 FREQUENCY: Units = {"Hz": "1", "kHz": "1e3"}
 TIME: Units = {"s": "1", "ms": "1e-3", "us": "1e-6"}
 RATE: Units = {"1/s": "1"}
+MASS: Units = {"kg": "1", "g": "1e-3", "mg": "1e-6"}
 
 _NUMBER = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]{1,4})?"
 _WRITTEN = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>(?![.,_]).*?)\s*", re.DOTALL)

@@ -12,7 +12,8 @@ import numpy as np
 
 from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case
-from tyrefrf.results import Results, StaticState
+from tyrefrf.results import Results, StaticState, agreements
+from tyrefrf.results.measured import LEAST
 from tyrefrf.results.proof import MEASURES, TRUNCATED, Worst, breaches
 from tyrefrf.study.estimate import Estimate
 
@@ -45,6 +46,7 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "proof": {name: _worst(measure.worst_of(results)) for name, measure in MEASURES.items()},
         "breaches": list(breaches(results)),
         "certificate": _certificate(results),
+        "measured": [asdict(one) for one in agreements(results)],
         "adaptive": adaptive_words(origin.numbers, len(results.frequency)),
         "seconds_per_line": float(np.nanmedian(results.solve_time)),
         "failed": [
@@ -160,6 +162,7 @@ def describe_run(facts: dict[str, Any]) -> str:
         *proof_lines(facts),
         *_certificate_lines(facts),
         *_deflection_lines(facts["deflections"]),
+        *_measured_lines(facts),
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),
     ]
@@ -243,6 +246,24 @@ def _certificate_lines(facts: dict[str, Any]) -> list[str]:
     ]
 
 
+def _measured_lines(facts: dict[str, Any]) -> list[str]:
+    """How far the measured responses agree, each in its own quantity."""
+    return [
+        f"  measured  {one['name']}, {one['load']} to {one['probe']}: {_agreement(one)}"
+        for one in facts["measured"]
+    ]
+
+
+def _agreement(one: dict[str, Any]) -> str:
+    """The criterion and the level with the lines that they are of, or why there is none."""
+    if one["n_lines"] < LEAST:
+        return f"no FRAC, with {one['n_lines']} of its lines within those computed"
+    return (
+        f"FRAC {one['frac']:.3f} of {one['quantity']}, level {one['level']:+.1f} dB computed over "
+        f"measured ({one['n_lines']} lines, {one['first']:g} to {one['last']:g} Hz)"
+    )
+
+
 def _decibels(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f} dB"
 
@@ -267,6 +288,7 @@ def describe(results: Results) -> str:
         *([f"  adaptive  {facts['adaptive']}"] if facts["adaptive"] else []),
         *proof_lines(facts),
         *_certificate_lines(facts),
+        *_measured_lines(facts),
         *([f"  pressure  {facts['inflation']['words']}"] if facts["inflation"] else []),
         *(f"  load      {label}" for label in facts["loads"]),
         *(f"  probe     {label}" for label in facts["probes"]),
@@ -290,7 +312,8 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
         + (f": {_shares(found.masses)}" if len(found.masses) > 1 else ""),
         f"  lines     {found.n_lines}, up to {found.top_frequency:g} Hz"
         + (", solved as far as a fit of the others needs" if case.frequency.adaptive else ""),
-        f"  columns   {found.n_loads} loads, {found.n_probes} probes (driving points included)",
+        f"  columns   {found.n_loads} loads, {found.n_probes} probes (driving points included)"
+        + (f", {3 * found.n_sensors} loads for sensors" if found.n_sensors else ""),
         *(
             f"  waves     {r.material} at {found.top_frequency:g} Hz: "
             f"shear {1e3 * r.shear:.3g} mm, bending {1e3 * r.bending:.3g} mm "

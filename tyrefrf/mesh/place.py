@@ -20,6 +20,7 @@ class Place:
     r, y: [m]; angle: [rad].
     direction: "r", "y" or "theta", local to the place's own angle.
     diameter: of a patch [m], else 0.
+    sensor_mass: of the accelerometer that a probe's response is seen with [kg], else 0.
     """
 
     name: str
@@ -31,9 +32,14 @@ class Place:
     angle: float
     direction: str
     diameter: float = 0.0
+    sensor_mass: float = 0.0
 
     @property
     def label(self) -> str:
         """The place in a legend: `mid-tread: r at outer 0.500, 0 deg`."""
         where = f"{self.surface} {self.s:.3f}" if self.surface else f"r {self.r:.3f} m"
-        return f"{self.name}: {self.direction} at {where}, {degrees(self.angle):.4g}\N{DEGREE SIGN}"
+        sensor = f", sensor {1e3 * self.sensor_mass:.4g} g" if self.sensor_mass else ""
+        return (
+            f"{self.name}: {self.direction} at {where}, "
+            f"{degrees(self.angle):.4g}\N{DEGREE SIGN}{sensor}"
+        )

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from tyrefrf.arrays import ComplexArray
+from tyrefrf.plots.measured import draw_measured, measured_of
 from tyrefrf.plots.style import (
     curve_style,
     frequency_axis,
@@ -39,6 +40,8 @@ def driving_figures(results: Results) -> list[Figure]:
         look = curve_style(index) | line_markers(results.frequency)
         handles += axes.plot(results.frequency, Y.real, **look, label=plain(load.label))
         handles += _mark_negative(axes, results, Y, load.name)
+        measured = measured_of(results, load.name, {f"{load.name}.drive"})
+        handles += draw_measured(axes, results, measured, lambda f, Y: (f, Y.real))
     handles += mark_failed(axes, results)
     axes.axhline(0.0, color="0.5", linewidth=0.8)
     set_title(axes, results, "driving points")

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.mesh.place import Place
+from tyrefrf.plots.measured import draw_measured, magnitudes, measured_of
 from tyrefrf.plots.style import (
     DASHES,
     ROUNDING,
@@ -75,10 +76,14 @@ def _figure(
         look |= {"label": label, **line_markers(results.frequency)}
         handles += magnitude.plot(results.frequency, positive(np.abs(Y)), **look)
         phase.plot(*wrapped(results.frequency, Y), **look)
+    measured = measured_of(results, load.name, {probe.name for probe in (*response, *zero)})
+    handles += draw_measured(magnitude, results, measured, lambda f, Y: (f, positive(np.abs(Y))))
+    draw_measured(phase, results, measured, wrapped)
     handles += mark_failed(magnitude, results)
     handles += zero_entry([f"{probe.name} ({probe.direction})" for probe in zero])
     set_title(magnitude, results, f"mobility, load {load.label}")
-    logarithmic(magnitude, [np.abs(Y) for Y in response.values()])
+    computed = [np.abs(Y) for Y in response.values()]
+    logarithmic(magnitude, computed + magnitudes(results, measured))
     magnitude.set_ylabel("Mobility magnitude [m/(s N)]")
     phase_axes(phase)
     frequency_axis(figure, results.frequency)

@@ -13,6 +13,7 @@ from tyrefrf.errors import ResultsError
 from tyrefrf.mesh.place import HUB, Place
 from tyrefrf.mesh.section import SectionMesh
 from tyrefrf.results.certificate import Certificate
+from tyrefrf.results.measured import Measured
 
 Quantity = Literal["receptance", "mobility", "accelerance"]
 
@@ -83,6 +84,7 @@ class Results:
     remark: f texts, empty or what was special about the line, or why it failed.
     inflation: the static state that the tyre vibrates about; None without pressure.
     certificate: what a second look found, where one was asked for.
+    measured: responses that were measured, to be held against those computed.
     Raises ResultsError where the shapes do not agree.
     """
 
@@ -99,6 +101,7 @@ class Results:
     provenance: Provenance
     inflation: StaticState | None = None
     certificate: Certificate | None = None
+    measured: tuple[Measured, ...] = ()
 
     def __post_init__(self) -> None:
         lines = self.frequency.shape

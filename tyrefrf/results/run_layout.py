@@ -15,6 +15,7 @@ from tyrefrf.mesh.place import Place
 from tyrefrf.results.certificate_layout import CERTIFICATE, certificate_of
 from tyrefrf.results.field import Columns, Field, Kind
 from tyrefrf.results.file import columns_of, provenance_of
+from tyrefrf.results.measured_layout import measured_fields, measured_of, n_measured
 from tyrefrf.results.proof import passivity, power, reciprocity
 from tyrefrf.results.results import Provenance, Results
 from tyrefrf.results.tyre_layout import inflation_of, section_of, tyre_fields
@@ -89,14 +90,34 @@ BLOCKED_FORCE = (
 )
 """In the file only where the case asks for them."""
 
+SENSOR_MASS = Field(
+    "probe_sensor_mass",
+    ("probe",),
+    "float",
+    "kg",
+    "mass of the accelerometer that the response is seen with",
+    lambda results: [place.sensor_mass for place in results.probes],
+)
+"""In the file only where a probe has one."""
+
 
 def run_fields(
-    *, with_hub: bool, with_inflation: bool, with_certificate: bool = False
+    *,
+    with_hub: bool,
+    with_inflation: bool,
+    with_certificate: bool = False,
+    with_sensors: bool = False,
+    n_measured: int = 0,
 ) -> tuple[Field, ...]:
     """Every dataset of a file."""
-    hub = BLOCKED_FORCE if with_hub else ()
-    certificate = CERTIFICATE if with_certificate else ()
-    return RESPONSES + hub + tyre_fields(with_inflation=with_inflation) + certificate
+    return (
+        *RESPONSES,
+        *(BLOCKED_FORCE if with_hub else ()),
+        *((SENSOR_MASS,) if with_sensors else ()),
+        *tyre_fields(with_inflation=with_inflation),
+        *(CERTIFICATE if with_certificate else ()),
+        *measured_fields(n_measured),
+    )
 
 
 def fields_of(results: Results) -> tuple[Field, ...]:
@@ -105,15 +126,21 @@ def fields_of(results: Results) -> tuple[Field, ...]:
         with_hub=bool(results.hub),
         with_inflation=results.inflation is not None,
         with_certificate=results.certificate is not None,
+        with_sensors=any(place.sensor_mass for place in results.probes),
+        n_measured=len(results.measured),
     )
 
 
 def fields_read(
-    *, with_hub: bool, with_inflation: bool, with_certificate: bool = False
+    file: Any, *, with_inflation: bool, with_certificate: bool = False
 ) -> tuple[Field, ...]:
     """The datasets that results are read from: what is derived is derived again."""
     table = run_fields(
-        with_hub=with_hub, with_inflation=with_inflation, with_certificate=with_certificate
+        with_hub="hub" in file,
+        with_inflation=with_inflation,
+        with_certificate=with_certificate,
+        with_sensors=SENSOR_MASS.name in file,
+        n_measured=n_measured(file),
     )
     return tuple(field for field in table if field.name not in DERIVED)
 
@@ -121,7 +148,7 @@ def fields_read(
 def read_run(file: Any) -> Results:
     """The results that an open file holds."""
     table = fields_read(
-        with_hub="hub" in file,
+        file,
         with_inflation="inflation" in file,
         with_certificate="certificate" in file,
     )
@@ -145,6 +172,7 @@ def results_of(columns: Columns, provenance: Provenance) -> Results:
         provenance=provenance,
         inflation=inflation_of(columns),
         certificate=certificate_of(columns),
+        measured=measured_of(columns),
     )
 
 
@@ -155,5 +183,8 @@ def _no_blocked_force(columns: Columns) -> NDArray[Any]:
 def _places_of(columns: Columns, axis: str) -> tuple[Place, ...]:
     """The places along the load or probe axis, from one dataset per attribute."""
     values = {name: columns[f"{axis}_{name}"].tolist() for name, *_ in PLACE_COLUMNS}
+    mass = f"{axis}_sensor_mass"
+    if mass in columns:
+        values["sensor_mass"] = columns[mass].tolist()
     rows = zip(columns[axis].tolist(), *values.values(), strict=True)
     return tuple(Place(name=name, **dict(zip(values, row, strict=True))) for name, *row in rows)

@@ -80,7 +80,7 @@ def _axis_of(scale: Any) -> Axis:
 
 def _columns_at(file: Any, point: tuple[int, ...]) -> Columns:
     """Every array of a point."""
-    table = fields_read(with_hub="hub" in file, with_inflation=has_group(file, "inflation", point))
+    table = fields_read(file, with_inflation=has_group(file, "inflation", point))
     return {field.name: _column(file, field, point) for field in table}
 
 

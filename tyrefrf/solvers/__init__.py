@@ -22,6 +22,7 @@ from tyrefrf.solvers.problem import (
     solve_line,
 )
 from tyrefrf.solvers.recursive import Recursive
+from tyrefrf.solvers.sensors import Sensors
 
 if TYPE_CHECKING:
     from tyrefrf import case
@@ -66,6 +67,7 @@ __all__ = [
     "Modal",
     "Recursive",
     "RingProblem",
+    "Sensors",
     "Solver",
     "answer",
     "no_answer",

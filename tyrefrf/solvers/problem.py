@@ -12,6 +12,7 @@ from scipy.sparse import csc_array, hstack
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from tyrefrf.errors import SolveError
 from tyrefrf.fem.assembly import CellMatrices
+from tyrefrf.solvers.sensors import Sensors
 
 RESIDUAL_MAX = 1e-6
 """A line's residual above which it counts as unsolved. Damped tyres stay below 4e-9 (steel belt;
@@ -28,12 +29,15 @@ class RingProblem:
         straight into the rim.
     probes: (rows, n_probes) weights. On a free dof a weight takes the displacement, on a fixed
     dof the force that the tyre exerts on the rim (blocked force).
+    sensors: masses whose places are the last of the loads and of the probes; their effect is in
+        the answers, in which those loads and probes are not.
     """
 
     cell: CellMatrices
     n_cells: int
     loads: csc_array
     probes: csc_array
+    sensors: Sensors | None = None
 
     def __post_init__(self) -> None:
         moves = np.tile(self.free, self.n_cells)
@@ -49,6 +53,12 @@ class RingProblem:
     def n_loads(self) -> int:
         """Columns to solve for."""
         return int(self.loads.shape[1])
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Probes and loads of an answer: all but the sensors' places."""
+        hidden = self.sensors.n_columns if self.sensors else 0
+        return int(self.probes.shape[1]) - hidden, self.n_loads - hidden
 
     @property
     def n_ring_dofs(self) -> int:
@@ -129,7 +139,7 @@ class Field:
 class Line:
     """One frequency line's answer.
 
-    receptance: (n_probes, n_loads) [m/N]; blocked-force probes [N/N].
+    receptance: `problem.shape` [m/N]; blocked-force probes [N/N].
     residual: ||f - D q|| / ||f|| of the ring's equations, the worst load's.
     remark: the field's.
     """
@@ -177,7 +187,10 @@ def solve_field(problem: RingProblem, solver: Solver, omega: float) -> Field:
 def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
     """What the probes see of one line. Raises SolveError as `solve_field`."""
     field = solve_field(problem, solver, omega)
-    return Line(responses(problem, field), field.residual, field.remark)
+    try:
+        return Line(responses(problem, field, omega), field.residual, field.remark)
+    except SolveError as error:
+        raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: {error}") from error
 
 
 def answer(problem: RingProblem, solver: Solver, omega: float) -> Line:
@@ -190,14 +203,18 @@ def answer(problem: RingProblem, solver: Solver, omega: float) -> Line:
 
 def no_answer(problem: RingProblem, reason: str) -> Line:
     """A line that failed."""
-    nowhere = np.full((problem.probes.shape[1], problem.n_loads), complex(np.nan, np.nan))
+    nowhere = np.full(problem.shape, complex(np.nan, np.nan))
     return Line(nowhere, float("nan"), reason)
 
 
-def responses(problem: RingProblem, field: Field) -> ComplexArray:
-    """What the probes see of a field (n_probes, n_loads): displacements, and forces on the rim."""
+def responses(problem: RingProblem, field: Field, omega: float) -> ComplexArray:
+    """What the probes see of a field at omega [rad/s]: displacements, and forces on the rim.
+
+    (n_probes, n_loads), with the sensors' masses if there are any. Raises SolveError as they do.
+    """
     seen = np.where(problem.free[:, None], field.q, field.remainder)
-    return problem.probes.T @ seen.reshape(problem.n_ring_dofs, -1)
+    H: ComplexArray = problem.probes.T @ seen.reshape(problem.n_ring_dofs, -1)
+    return problem.sensors.seen(H, omega) if problem.sensors else H
 
 
 def ring_forces(problem: RingProblem, D: ComplexArray, q: ComplexArray) -> ComplexArray:

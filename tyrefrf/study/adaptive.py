@@ -103,7 +103,7 @@ def _spectrum(found: Gathered, sampling: Sampling) -> Spectrum:
 def rim_arms(problem: RingProblem) -> FloatArray:
     """(p,) 0 for a probe of displacements; 1 for the rim's force, the arm [m] for a moment."""
     moves = np.tile(problem.free, problem.n_cells).astype(float)
-    sizes = abs(problem.probes)
+    sizes = abs(problem.probes[:, : problem.shape[0]])
     largest = sizes.max(axis=0).toarray().ravel()
     return np.where(sizes.T @ moves > 0.0, 0.0, largest)
 
@@ -111,7 +111,8 @@ def rim_arms(problem: RingProblem) -> FloatArray:
 def narrow_lines(problem: RingProblem, frequency: FloatArray) -> IntArray | None:
     """Numbers of the lines [Hz] on either side of each narrow resonance.
 
-    Natural frequencies and loss factors are those of the moduli at each mode's own frequency.
+    Natural frequencies and loss factors are those of the moduli at each mode's own frequency, and
+    of the tyre without sensors, whose masses move them little.
     None where they cannot be had, as of a tyre that has buckled.
     """
     try:

@@ -20,7 +20,7 @@ from tyrefrf.mesh.place import Place
 from tyrefrf.results import Results
 from tyrefrf.results.certificate import Certificate
 from tyrefrf.results.proof import TRUNCATED
-from tyrefrf.solvers import Maker, RingProblem, prepare, responses
+from tyrefrf.solvers import Field, Maker, RingProblem, prepare, responses
 from tyrefrf.solvers import Solver as RingSolver
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.cost import line_seconds
@@ -133,7 +133,7 @@ def refined_case(case: Case, model: Model) -> Case:
     data["cell"] = {**data["cell"], "sector_angle": case.cell.sector_angle / 2.0}
     data["loads"] = _kept(data["loads"], case.loads, model.loads)
     data["probes"] = _kept(data["probes"], case.probes, model.probes[len(model.loads) :])
-    return build_case(data, case.name)
+    return build_case(data, case.name).placed_in(case.directory)
 
 
 def _kept(
@@ -219,14 +219,15 @@ def _solve_again(
         own = own_solver.field(line.omega) if own_solver else None
     except SolveError:
         return _no_answer(line)
-    none = np.full(problem.n_loads, np.nan)
-    H = responses(problem, field)
+    n_loads = problem.shape[1]  # those at the sensors' places come after them
+    none = np.full(n_loads, np.nan)
+    H = responses(problem, field, line.omega)
     n_probes = len(line.receptance)  # the hub's components, of other units, come after them
     return _Again(
         index=line.index,
         residual=field.residual,
         difference=_relative(H[:n_probes], line.receptance, axis=0),
-        cell_difference=_relative(field.q, own.q, axis=1).max(axis=0) if own else none,
+        cell_difference=_cell_difference(field, own, n_loads) if own else none,
     )
 
 
@@ -238,6 +239,13 @@ def _no_answer(line: _Line) -> _Again:
 def _unsolved(task: Task[_Line, _Again], reason: str) -> _Again:
     """A line that kills its process has no answer either."""
     return _no_answer(task.item)
+
+
+def _cell_difference(field: Field, own: Field, n_loads: int) -> FloatArray:
+    """(n_loads,) the largest of any cell, under the first of the loads."""
+    q, expected = (found.q[..., :n_loads] for found in (field, own))
+    largest: FloatArray = _relative(q, expected, axis=1).max(axis=0)
+    return largest
 
 
 def _relative(a: ComplexArray, b: ComplexArray, axis: int) -> FloatArray:

@@ -285,5 +285,5 @@ def _nothing(model: Model, why: str) -> Answer:
     """The answer of a solver that gave none."""
     problem, n = model.problem, len(model.case.frequency.lines())
     nan, lines = float("nan"), np.full(n, np.nan)
-    nowhere = np.full((problem.probes.shape[1], problem.n_loads, n), complex(nan, nan))
+    nowhere = np.full((*problem.shape, n), complex(nan, nan))
     return Answer(Spectrum(nowhere, lines, lines.copy(), (why,) * n, nan), nan, nan, nan, "")

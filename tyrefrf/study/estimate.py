@@ -11,6 +11,7 @@ from tyrefrf.case import Case, Solver
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.results import read_measured
 from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.study.choose import decided
@@ -44,6 +45,7 @@ class Estimate:
     top_frequency: float
     n_loads: int
     n_probes: int
+    n_sensors: int
     resolution: tuple[Resolution, ...]
     warnings: tuple[str, ...]
     solver: str
@@ -56,6 +58,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
 
     Raises CaseError and MeshError as a run would.
     """
+    read_measured(case.measured, case.directory)
     model = build_model(case)
     mesh, problem = model.mesh, model.problem
     solver = decided(case, problem)[0].solver
@@ -77,6 +80,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
         top_frequency=lines[-1],
         n_loads=len(model.loads),
         n_probes=len(model.probes),
+        n_sensors=len(problem.sensors.mass) if problem.sensors else 0,
         resolution=resolution,
         warnings=(*_coarse(resolution), *_small_discs(model)),
         solver=solver.name,

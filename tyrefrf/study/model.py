@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 from scipy.sparse import csc_array, hstack
 
 from tyrefrf.case import AtNode, Case, HubProbe, OnPatch, OnSurface, Point
+from tyrefrf.case.digest import file_digests
+from tyrefrf.case.places import Direction
 from tyrefrf.errors import CaseError, MeshError, Problem
 from tyrefrf.fem.assembly import CellAssembly, CellMatrices
 from tyrefrf.fem.columns import hub_columns, node_column, surface_column
@@ -17,7 +21,7 @@ from tyrefrf.mesh.cell import CellMesh, revolve
 from tyrefrf.mesh.place import Place
 from tyrefrf.mesh.profile import tyre_section
 from tyrefrf.mesh.surface import Surface
-from tyrefrf.solvers import RingProblem
+from tyrefrf.solvers import RingProblem, Sensors
 from tyrefrf.study.inflate import elasticity_key, inflate
 
 Placed = tuple[Place, csc_array]
@@ -28,7 +32,8 @@ class Model:
     """A case made computable.
 
     loads: places of the loads. probes: places of the probes, first the driving point of every
-    load, "<load>.drive". The problem's probes are theirs, then six of the hub if `hub`.
+    load, "<load>.drive". The problem's probes are theirs, then six of the hub if `hub`; its last
+    loads and probes are the places of the sensors, in three directions each.
     inflation: the state about which the problem vibrates; None without pressure.
     """
 
@@ -44,9 +49,11 @@ class Model:
 def build_model(case: Case) -> Model:
     """Mesh and assemble a case and place its loads and probes.
 
-    Raises CaseError, naming the key, where a place is not on this mesh or the pressure is more
-    than the tyre bears, and MeshError where the section or cell cannot be meshed.
+    Raises CaseError, naming the key, where a place is not on this mesh, the pressure is more than
+    the tyre bears, or a file that the case names cannot be read, and MeshError where the section or
+    cell cannot be meshed.
     """
+    file_digests(case)  # results will need them: better now than after hours
     return Workshop().model(case)
 
 
@@ -62,7 +69,7 @@ class Workshop:
 
         Raises CaseError and MeshError as `build_model`.
         """
-        key = case.model_dump_json(include={"geometry", "cell", "loads", "probes"})
+        key = case.model_dump_json(include={"geometry", "cell", "loads", "probes", "sensors"})
         if key not in self._outlines:
             self._outlines[key] = Outline.of(case)
         outline = self._outlines[key]
@@ -76,6 +83,7 @@ class Workshop:
             n_cells=case.cell.n_cells,
             loads=outline.load_columns,
             probes=outline.probe_columns,
+            sensors=outline.sensors,
         )
         return Model(
             case, outline.mesh, problem, outline.loads, outline.probes, outline.hub, inflation
@@ -108,6 +116,7 @@ class Outline:
     hub: bool
     load_columns: csc_array
     probe_columns: csc_array
+    sensors: Sensors | None
 
     @classmethod
     def of(cls, case: Case) -> Outline:
@@ -115,6 +124,7 @@ class Outline:
         mesh = build_mesh(case)
         loads, probes = _place_all(mesh, case)
         hub = any(isinstance(probe, HubProbe) for probe in case.probes)
+        sensors, sensed = _sensors(mesh, case)
         responses = [_displacement(mesh, column) for _, column in loads + probes]
         return cls(
             mesh=mesh,
@@ -123,8 +133,14 @@ class Outline:
             probes=tuple(_driving_point(place) for place, _ in loads)
             + tuple(place for place, _ in probes),
             hub=hub,
-            load_columns=hstack([column for _, column in loads], format="csc"),
-            probe_columns=hstack(responses + ([hub_columns(mesh)] if hub else []), format="csc"),
+            load_columns=hstack([column for _, column in loads] + sensed, format="csc"),
+            probe_columns=hstack(
+                responses
+                + ([hub_columns(mesh)] if hub else [])
+                + [_displacement(mesh, column) for column in sensed],
+                format="csc",
+            ),
+            sensors=sensors,
         )
 
 
@@ -154,6 +170,21 @@ def _place_all(mesh: CellMesh, case: Case) -> tuple[list[Placed], list[Placed]]:
     return placed["loads"], placed["probes"]
 
 
+def _sensors(mesh: CellMesh, case: Case) -> tuple[Sensors | None, list[csc_array]]:
+    """The sensors of a case, and the columns of their places in three directions each."""
+    probes = [probe for probe in case.probes if not isinstance(probe, HubProbe)]
+    sensed = [(k, probe) for k, probe in enumerate(probes) if probe.sensor_mass is not None]
+    if not sensed:
+        return None, []
+    finder = _Finder(mesh)
+    sensors = Sensors(
+        mass=np.array([probe.sensor_mass for _, probe in sensed]),
+        probe=np.array([len(case.loads) + k for k, _ in sensed]),
+        together=case.sensors == "mounted",
+    )
+    return sensors, [column for _, probe in sensed for column in finder.all_directions(probe)]
+
+
 def _displacement(mesh: CellMesh, column: csc_array) -> csc_array:
     """A column without its weights on the rim, where nothing moves and probes take forces."""
     moves = ~np.isin(column.indices // 3 % mesh.n_own, mesh.rim)
@@ -179,12 +210,18 @@ class _Finder:
         else:
             assert isinstance(point, OnSurface)
             place, column = self._on_surface(point, angle)
+        place = replace(place, sensor_mass=getattr(point, "sensor_mass", None) or 0.0)
         if _displacement(self.mesh, column).nnz == 0:
             raise MeshError(
                 f"{point.name!r} lies on the rim, which is fixed; move it off the rim "
                 'or, for the force on the rim, use a probe of kind = "hub"'
             )
         return place, column
+
+    def all_directions(self, point: Point) -> Iterator[csc_array]:
+        """The columns of a place along r, y and theta. Raises MeshError as `find`."""
+        for direction in get_args(Direction):
+            yield self.find(point.model_copy(update={"direction": direction}))[1]
 
     def _on_surface(self, point: OnSurface, angle: float) -> Placed:
         """An interpolated point, or a disc around it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, case_hash, load_case, read_text, resolved_toml
 from tyrefrf.fem.inflation import Inflation
-from tyrefrf.results import Provenance, Results, StaticState
+from tyrefrf.results import Provenance, Results, StaticState, read_measured
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.certify import certified, plan_certificate
 from tyrefrf.study.choose import decided_model
@@ -53,12 +54,14 @@ def run_case(
     solved is NaN in the results, with the reason in `remark`.
     """
     start = time.perf_counter()
+    measured = read_measured(case.measured, case.directory)
     frequency = np.array(case.frequency.lines())
     executor = executor_of(jobs or cores(), len(frequency))
     model, expected = decided_model(build_model(case))
     spectrum = solve_case([model.problem], model.case, executor, progress)[0]
     numbers = {**sizes(model), **expected, "seconds": time.perf_counter() - start}
-    return results_of(model, frequency, spectrum, case_text, numbers)
+    results = results_of(model, frequency, spectrum, case_text, numbers)
+    return replace(results, measured=measured)
 
 
 def sizes(model: Model) -> dict[str, float | int]:

@@ -161,8 +161,7 @@ class Gathered:
         self.lines = Lines(problem, make_solver, frequency)
         self.prepare_time = prepare_time
         n_lines = len(frequency)
-        shape = (problem.probes.shape[1], problem.n_loads, n_lines)
-        self.receptance = np.full(shape, complex(np.nan, np.nan))
+        self.receptance = np.full((*problem.shape, n_lines), complex(np.nan, np.nan))
         self.residual, self.seconds = np.full(n_lines, np.nan), np.full(n_lines, np.nan)
         self.remark = [""] * n_lines
 

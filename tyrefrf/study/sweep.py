@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
-from tyrefrf.results import SweepResults
+from tyrefrf.results import SweepResults, read_measured
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.executor import Workers, executor_of
@@ -53,6 +53,7 @@ def run_sweep(
     meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
     """
     start = time.perf_counter()
+    measured = read_measured(grid.base.measured, grid.base.directory)
     frequency = np.array(grid.base.frequency.lines())
     executor = executor_of(jobs or cores(), len(frequency) * len(grid.cases))
     models = grid.each(Workshop().model)
@@ -64,7 +65,9 @@ def run_sweep(
     return SweepResults(
         axes=grid.axes,
         points=tuple(
-            results_of(model, frequency, spectrum, case_text, sizes(model))
+            replace(
+                results_of(model, frequency, spectrum, case_text, sizes(model)), measured=measured
+            )
             for model, spectrum in zip(models, spectra, strict=True)
         ),
         provenance=provenance_of(
