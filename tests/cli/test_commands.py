@@ -243,6 +243,7 @@ COMMANDS = [
     "dispersion",
     "check",
     "plot",
+    "export",
     "info",
     "init",
     "schema",

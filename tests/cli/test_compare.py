@@ -97,7 +97,8 @@ def test_cost_and_progress_are_said_on_stderr(finished):
     _, done = finished
     cost, *progress = done.stderr.splitlines()
     assert re.match(r"small: 4 lines, about \d+ s in all \(recursive \d+ s, \d+ MB; cyclic", cost)
-    assert [line.split("lines, ")[0] for line in progress] == [
+    said = [line.split("lines, ")[0] for line in progress]
+    assert [line for line in said if "4/4" in line] == [  # a slow machine says more
         "small, recursive: 4/4 ",
         "small, cyclic: 4/4 ",
     ]

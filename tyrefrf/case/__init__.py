@@ -33,6 +33,7 @@ from tyrefrf.case.places import (
     Point,
     PointProbe,
     Probe,
+    RegionProbe,
 )
 from tyrefrf.case.resolved import case_hash, resolved, resolved_toml
 from tyrefrf.case.schema import case_schema
@@ -75,6 +76,7 @@ __all__ = [
     "Probe",
     "PronySeries",
     "Range",
+    "RegionProbe",
     "Shift",
     "Solver",
     "SolverName",

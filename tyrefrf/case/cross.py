@@ -32,6 +32,7 @@ def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _reserved(names, load_names)
     moving = {i: name for i, name in names.items() if i not in hubs}
     yield from _measured_faults(_entries(data, "measured"), load_names, moving)
+    yield from _of_regions(names, {i for i in probes if probes[i].get("kind") == "region"})
 
 
 def _material_faults(geometry: dict[str, Any], materials: dict[str, Any]) -> Iterator[Fault]:
@@ -101,6 +102,15 @@ def _measured_faults(
             if isinstance(name, str) and name not in names:
                 hint = did_you_mean(name, names) or f"; there are {', '.join(names)}"
                 yield Fault(("measured", i, key), f"no {key} {shown(name)} in this case{hint}")
+
+
+def _of_regions(names: dict[int, object], regions: set[int]) -> Iterator[Fault]:
+    owners = {names[i] for i in regions if isinstance(names[i], str)}
+    for i, name in names.items():
+        owner, dot, number = str(name).rpartition(".")
+        if dot and number.isdecimal() and owner in owners:
+            message = f"{shown(name)} is reserved for a point of region {shown(owner)}"
+            yield Fault(("probes", i, "name"), message)
 
 
 def _table(data: Mapping[str, Any], key: str) -> dict[str, Any]:

@@ -27,6 +27,7 @@ from tyrefrf.case.table import Name, Table
 from tyrefrf.case.units import RATE, TIME, Quantity
 
 PlotFormat = Literal["png", "pdf", "svg"]
+ExportFormat = Literal["uff58", "csv", "mat"]
 
 
 class Damping(Table):
@@ -49,11 +50,19 @@ class Output(Table):
         description="run: frequencies [Hz] at which the motion of the whole tyre under every load "
         "is written for ParaView and drawn; they need not be frequency lines",
     )
+    export: tuple[ExportFormat, ...] = Field(
+        (),
+        strict=False,
+        description="formats that `tyrefrf run` and `sweep` write the responses in beside the "
+        "results: universal file (uff58), csv, MATLAB (mat)",
+    )
 
     def _faults(self) -> Iterator[Fault]:
-        for i, plot in enumerate(self.plots):
-            if plot in self.plots[:i]:
-                yield Fault(("plots", i), f"'{plot}' is listed twice")
+        listed = {"plots": self.plots, "export": self.export}
+        for key, formats in listed.items():
+            for i, form in enumerate(formats):
+                if form in formats[:i]:
+                    yield Fault((key, i), f"'{form}' is listed twice")
         for i, frequency in enumerate(self.deflections):
             if frequency in self.deflections[:i]:
                 yield Fault(("deflections", i), f"{number_text(frequency)} Hz is listed twice")

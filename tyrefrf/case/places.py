@@ -16,6 +16,9 @@ Surface = Literal["outer", "inner"]
 ArcFraction = Annotated[float, Field(ge=0, le=1)]
 SensorMass = Annotated[float, Quantity(MASS, gt=0, le=100)]
 
+MOST_POINTS = 10_000
+"""The most points of a region."""
+
 _NAME = "name, unique among the loads or the probes; one line of up to 100 characters"
 _SURFACE = "surface of the tyre: outer or inner"
 _S = (
@@ -113,6 +116,67 @@ class PatchProbe(OnPatch):
     sensor_mass: SensorMass | None = Field(None, description=_SENSOR_MASS)
 
 
+class RegionProbe(Table):
+    """Points spread evenly over a part of a surface, for means over it."""
+
+    kind: Literal["region"] = Field(description="points that sample a region, for its mean square")
+    name: Name = Field(
+        max_length=90,
+        description="name, unique among the probes; its points are <name>.1, <name>.2",
+    )
+    surface: Surface = Field("outer", description=_SURFACE)
+    s: tuple[ArcFraction, ...] = Field(
+        strict=False, min_length=2, max_length=2, description="first and last " + _S
+    )
+    angle: tuple[Annotated[float, Quantity(ANGLE, ge=-360, le=360)], ...] = Field(
+        (0.0, 360.0),
+        strict=False,
+        min_length=2,
+        max_length=2,
+        description="first and last angle around the axle [deg], at most a turn apart",
+    )
+    direction: Direction = Field(
+        description="local direction: r (radial, outwards), y (along the axle) or theta"
+    )
+    count: tuple[Annotated[int, Field(ge=1, le=1000)], ...] = Field(
+        (8, 36),
+        strict=False,
+        min_length=2,
+        max_length=2,
+        description="points along the section, and around the axle",
+    )
+
+    def _faults(self) -> Iterator[Fault]:
+        if not self.s[0] < self.s[1]:
+            yield Fault(("s",), "first and last are not in order; give first < last")
+        if not 0.0 < self.angle[1] - self.angle[0] <= 360.0:
+            yield Fault(("angle",), "give first < last, at most 360 deg apart")
+        if self.count[0] * self.count[1] > MOST_POINTS:
+            message = f"{self.count[0] * self.count[1]} points; at most {MOST_POINTS} in a region"
+            yield Fault(("count",), message)
+
+    def points(self) -> Iterator[PointProbe]:
+        """The points, in the middle of equal parts, along the section fastest.
+
+        Named "<region>.1", "<region>.2" and so on.
+        """
+        along, around = self.count
+        for k in range(along * around):
+            j, i = divmod(k, along)
+            yield PointProbe(
+                name=f"{self.name}.{k + 1}",
+                surface=self.surface,
+                s=_middle(self.s, i, along),
+                angle=_middle(self.angle, j, around) % 360.0,
+                direction=self.direction,
+            )
+
+
+def _middle(ends: tuple[float, ...], k: int, n: int) -> float:
+    """The middle of the k-th of n equal parts."""
+    return ends[0] + (k + 0.5) / n * (ends[1] - ends[0])
+
+
 class HubProbe(Table):
     """The blocked force and moment at the rim: six components about the wheel's centre."""
 
@@ -127,6 +191,7 @@ Probe = Annotated[
     Annotated[PointProbe, Tag("point")]
     | Annotated[NodeProbe, Tag("node")]
     | Annotated[PatchProbe, Tag("patch")]
+    | Annotated[RegionProbe, Tag("region")]
     | Annotated[HubProbe, Tag("hub")],
     by_kind("point"),
 ]

@@ -110,6 +110,8 @@ def cost_text(case: Case, solvers: Sequence[str], lines: int | None) -> str:
 
 def comparison_summary(comparison: Comparison, files: Sequence[Path]) -> dict[str, Any]:
     """The facts of a comparison that a script wants to know; times [s], memory and disk [bytes]."""
+    from tyrefrf.cli.report import probe_labels
+
     origin, names = comparison.provenance, comparison.solvers
     return {
         "case": origin.case_name,
@@ -121,7 +123,7 @@ def comparison_summary(comparison: Comparison, files: Sequence[Path]) -> dict[st
         "first_frequency": float(comparison.frequency[0]),
         "last_frequency": float(comparison.frequency[-1]),
         "loads": [place.label for place in comparison.loads],
-        "probes": [place.label for place in comparison.probes],
+        "probes": probe_labels(comparison.probes),
         "machine": comparison.machine,
         "reference": comparison.reference,
         "compared_sections_at": comparison.frequency[comparison.samples].tolist(),

@@ -1,4 +1,4 @@
-"""The command line: run, sweep, compare, modes, dispersion, check, plot, info, init, schema.
+"""The command line: run, sweep, compare, modes, dispersion, check, plot, export, info and others.
 
 Results go to stdout, progress and messages to stderr. Exit status 0: complete; 1: the run or some
 lines failed, or breached their proof; 2: the case or the command line is wrong.
@@ -42,6 +42,14 @@ class PlotFormat(StrEnum):
     png = "png"
     pdf = "pdf"
     svg = "svg"
+
+
+class QuantityName(StrEnum):
+    """Responses per unit force (ISO 7626-1)."""
+
+    mobility = "mobility"
+    receptance = "receptance"
+    accelerance = "accelerance"
 
 
 CaseFile = Annotated[
@@ -426,6 +434,56 @@ def plot(
     directory, forms = output or results.parent / "plots", _names(formats) or ("png",)
     for path in draw_plots(load_any(results), directory, forms):
         typer.echo(str(path))
+
+
+@app.command()
+def export(
+    results: ResultsFile,
+    to: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B,...",
+            help="Formats: uff58 (universal file, needs pyuff), csv, mat (MATLAB, Octave).",
+        ),
+    ],
+    quantity: Annotated[
+        QuantityName, typer.Option(help="Displacement, velocity or acceleration per unit force.")
+    ] = QuantityName.mobility,
+    output: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory; beside RESULTS by default."),
+    ] = None,
+    reference: Annotated[
+        str,
+        typer.Option(
+            metavar="X",
+            help="What levels in dB are relative to: a number in SI, or iso1683 (1 nm/s over "
+            "1 uN for a mobility).",
+        ),
+    ] = "1",
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write the responses of a run or sweep for other programs.
+
+    Beside RESULTS and named after it: NAME.uff, a universal file with a dataset 58 for every
+    response, geometry and SI units, for modal software; NAME.csv, the lines, and NAME_bands.csv,
+    one-third-octave bands as rms and level; NAME.mat, all of it. A region of the case (a probe of
+    kind "region") has its mean square over the area in all but the universal file. Of a sweep, the
+    tables have the parameters as columns, and every point is a universal file of its own.
+    The results file itself opens in xarray (engine h5netcdf) and in MATLAB (h5read).
+
+    For example:
+
+    \b
+      tyrefrf export results/case/case.h5 --to csv
+      tyrefrf export results/case/case.h5 --to uff58,mat --quantity accelerance
+      tyrefrf export results/case/case.h5 --to csv --reference iso1683 --force
+    """
+    from tyrefrf.cli.exporting import export_to_files
+
+    formats = [name.strip() for name in to.split(",") if name.strip()]
+    export_to_files(results, formats, quantity.value, output, reference, force=force, json=json)
 
 
 @app.command()

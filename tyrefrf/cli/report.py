@@ -12,7 +12,9 @@ import numpy as np
 
 from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case
+from tyrefrf.mesh.place import Place
 from tyrefrf.results import Results, StaticState, agreements
+from tyrefrf.results.derived import regions_of, single_probes
 from tyrefrf.results.measured import LEAST
 from tyrefrf.results.proof import MEASURES, TRUNCATED, Worst, breaches
 from tyrefrf.study.estimate import Estimate
@@ -39,7 +41,7 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "first_frequency": float(results.frequency[0]),
         "last_frequency": float(results.frequency[-1]),
         "loads": [place.label for place in results.loads],
-        "probes": [place.label for place in results.probes],
+        "probes": probe_labels(results.probes),
         "blocked_force": list(results.hub),
         "inflation": _inflation(results.inflation),
         "largest_residual": float(np.max(results.residual[solved])) if solved.any() else None,
@@ -61,6 +63,15 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         ],
         "files": [str(path) for path in files],
     }
+
+
+def probe_labels(probes: Sequence[Place]) -> list[str]:
+    """The places of the probes in words; one line for all points of a region."""
+    regions = {
+        f"{name}: {probes[points[0]].direction} at {len(points)} points of a region"
+        for name, points in regions_of(probes).items()
+    }
+    return [*(probes[j].label for j in single_probes(probes)), *sorted(regions)]
 
 
 def _worst(found: Worst | None) -> dict[str, Any] | None:

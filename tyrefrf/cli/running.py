@@ -33,8 +33,11 @@ def run_to_files(
     json: bool,
 ) -> int:
     """Run a case, write results and plots, print the summary; the exit status, 0 or 1."""
+    from tyrefrf.cli.exporting import check_exports, exported
+
     start = time.perf_counter()
     case, text = read_case(case_file, solver)
+    check_exports(case.output.export)
     target = new_target(output, case.name, force=force)
     n_lines = len(case.frequency.lines())
     with workers_of(jobs, scheduler, n_lines) as workers:
@@ -55,6 +58,7 @@ def run_to_files(
             results = _certified(case, results, workers)
             write_results(target, results)
     drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
+    drawn += exported(results, target, case.output.export)
     fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
     facts = summary(results, [target, *drawn, *fields.files])
     facts |= {"deflections": fields.facts, "seconds": time.perf_counter() - start}

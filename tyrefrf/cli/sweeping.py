@@ -59,6 +59,7 @@ def sweep_to_files(
 ) -> int:
     """Sweep a case, write results and plots, print the summary; the exit status, 0 or 1."""
     from tyrefrf.case import make_grid
+    from tyrefrf.cli.exporting import check_exports, exported
     from tyrefrf.cli.running import new_target, read_case, status_of, workers_of
 
     start = time.perf_counter()
@@ -68,6 +69,7 @@ def sweep_to_files(
     wanted = parameters_of(given) or _only_own(case)
     with _of_sweep(case_file):
         grid = make_grid(case, wanted)
+    check_exports(case.output.export)
     target = new_target(output, f"{case.name}_sweep", force=force)
     n_points = len(grid.cases)
     n_lines = n_points * len(case.frequency.lines())
@@ -84,6 +86,7 @@ def sweep_to_files(
             sweep = run_sweep(grid, jobs=workers, case_text=text, progress=progress)
     write_sweep(target, sweep)
     drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
+    drawn += exported(sweep, target, case.output.export)
     facts = sweep_summary(sweep, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_sweep(facts))
     return status_of(facts)
@@ -170,7 +173,7 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
     """The facts of a sweep that a script wants to know."""
     import numpy as np
 
-    from tyrefrf.cli.report import adaptive_words
+    from tyrefrf.cli.report import adaptive_words, probe_labels
     from tyrefrf.results.proof import MEASURES, breaches
 
     origin = sweep.provenance
@@ -204,7 +207,7 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
         "first_frequency": float(sweep.frequency[0]),
         "last_frequency": float(sweep.frequency[-1]),
         "loads": [place.label for place in sweep.loads],
-        "probes": [place.label for place in sweep.probes],
+        "probes": probe_labels(sweep.probes),
         "blocked_force": list(sweep.hub),
         "levels": {load.name: sweep.level(load.name).ravel().tolist() for load in sweep.loads},
         "largest_residual": _largest(sweep.residual[sweep.solved]),

@@ -8,13 +8,17 @@ from math import degrees
 HUB = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 """The blocked hub's components, in Cartesian axes about the wheel's centre."""
 
+REGION = "region"
+"""The kind of the points of a region; they are named "<region>.1", "<region>.2" and so on."""
+
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """A named place on the tyre, and the direction that counts there.
 
     name: the load's or probe's own name.
-    kind: "node" (one node), "point" (interpolated), "patch" (disc with uniform traction).
+    kind: "node" (one node), "point" (interpolated), "patch" (disc with uniform traction),
+        "region" (interpolated, one of the points of a region).
     surface: "outer", "inner", or "" for a node that lies on neither.
     s: fraction of the surface's arc length, 0 at the rim with y < 0; NaN off the surfaces.
     r, y: [m]; angle: [rad].

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -29,6 +29,10 @@ class Spots:
     r: FloatArray
     y: FloatArray
     angle: FloatArray
+
+    def one(self, k: int) -> Spots:
+        """The k-th of them, alone."""
+        return Spots(*(getattr(self, field.name)[k : k + 1] for field in fields(self)))
 
 
 class Surface:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tyrefrf.arrays import ComplexArray, FloatArray
-from tyrefrf.mesh.place import Place
+from tyrefrf.mesh.place import REGION, Place
 from tyrefrf.plots.measured import draw_measured, magnitudes, measured_of
 from tyrefrf.plots.style import (
     DASHES,
@@ -45,8 +45,12 @@ def mobility_figures(results: Results, load: Place) -> list[Figure]:
 
 
 def shown_and_zero(results: Results, load: Place) -> tuple[dict[Place, ComplexArray], list[Place]]:
-    """Mobilities (f,) by probe, the driving point first, and probes that are zero by symmetry."""
-    probes = sorted(results.probes, key=lambda probe: not is_drive(probe, load))
+    """Mobilities (f,) by probe, the driving point first, and probes that are zero by symmetry.
+
+    The many points of a region are not among them.
+    """
+    single = [probe for probe in results.probes if probe.kind != REGION]
+    probes = sorted(single, key=lambda probe: not is_drive(probe, load))
     response = {probe: results.response(load.name, probe.name) for probe in probes}
     limit = ROUNDING * max(map(_largest, response.values()), default=0.0)
     zero = [probe for probe in probes if _largest(response[probe]) < limit]

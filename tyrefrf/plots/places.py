@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from tyrefrf.arrays import FloatArray
-from tyrefrf.mesh.place import Place
+from tyrefrf.mesh.place import REGION, Place
 from tyrefrf.mesh.section import SectionMesh
 from tyrefrf.plots.style import plain
 from tyrefrf.results.results import Results
@@ -73,9 +73,10 @@ def _load_handle(load: Place) -> Line2D:
 
 def draw_probes(axes: Axes, results: Results) -> list[Line2D]:
     """Numbered dots, hollow where the probes are at other angles; a legend's handles."""
-    numbers = {probe: number for number, probe in enumerate(results.probes, start=1)}
+    probes = [probe for probe in results.probes if probe.kind != REGION]
+    numbers = {probe: number for number, probe in enumerate(probes, start=1)}
     loaded = _by_spot(results.loads)
-    for spot, places in _by_spot(results.probes).items():
+    for spot, places in _by_spot(probes).items():
         axes.plot(*spot, **_dot(any(_at_zero(place) for place in places)), zorder=3)
         aside = 15.0 * _normal(results.section, places[0])
         if spot in loaded:

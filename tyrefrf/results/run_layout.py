@@ -21,7 +21,7 @@ from tyrefrf.results.results import Provenance, Results
 from tyrefrf.results.tyre_layout import inflation_of, section_of, tyre_fields
 
 PLACE_COLUMNS: tuple[tuple[str, Kind, str, str], ...] = (
-    ("kind", "text", "", "node, point (interpolated) or patch (disc with uniform traction)"),
+    ("kind", "text", "", "node, point, patch (disc) or region (one of its points)"),
     ("surface", "text", "", "outer, inner, or empty for a node on neither"),
     ("s", "float", "1", "fraction of the surface's arc length, 0 at the rim with y < 0"),
     ("r", "float", "m", "distance from the axle"),

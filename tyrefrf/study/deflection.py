@@ -78,7 +78,7 @@ class _Gather:
 
     def of(self, field: Field, frequency: float) -> tuple[Deflection, ...]:
         """A deflection for every load."""
-        of_loads = np.moveaxis(field.q, 2, 0)
+        of_loads = np.moveaxis(field.q, 2, 0)[: len(self.loads)]  # without those at sensors
         return tuple(
             self._deflection(name, load, q, field.residual, frequency)
             for name, load, q in zip(self.names, self.loads, of_loads, strict=True)

@@ -9,7 +9,7 @@ from typing import get_args
 import numpy as np
 from scipy.sparse import csc_array, hstack
 
-from tyrefrf.case import AtNode, Case, HubProbe, OnPatch, OnSurface, Point
+from tyrefrf.case import AtNode, Case, HubProbe, OnPatch, OnSurface, Point, RegionProbe
 from tyrefrf.case.digest import file_digests
 from tyrefrf.case.places import Direction
 from tyrefrf.errors import CaseError, MeshError, Problem
@@ -18,9 +18,9 @@ from tyrefrf.fem.columns import hub_columns, node_column, surface_column
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.inflation import Inflation
 from tyrefrf.mesh.cell import CellMesh, revolve
-from tyrefrf.mesh.place import Place
+from tyrefrf.mesh.place import REGION, Place
 from tyrefrf.mesh.profile import tyre_section
-from tyrefrf.mesh.surface import Surface
+from tyrefrf.mesh.surface import Spots, Surface
 from tyrefrf.solvers import RingProblem, Sensors
 from tyrefrf.study.inflate import elasticity_key, inflate
 
@@ -161,7 +161,7 @@ def _place_all(mesh: CellMesh, case: Case) -> tuple[list[Placed], list[Placed]]:
             if isinstance(point, HubProbe):
                 continue
             try:
-                placed[table].append(finder.find(point))
+                placed[table] += finder.find_all(point)
             except MeshError as error:
                 key = "node" if getattr(point, "node", None) is not None else "s"
                 problems.append(Problem((table, i, key), str(error)))
@@ -172,7 +172,12 @@ def _place_all(mesh: CellMesh, case: Case) -> tuple[list[Placed], list[Placed]]:
 
 def _sensors(mesh: CellMesh, case: Case) -> tuple[Sensors | None, list[csc_array]]:
     """The sensors of a case, and the columns of their places in three directions each."""
-    probes = [probe for probe in case.probes if not isinstance(probe, HubProbe)]
+    probes = [
+        point
+        for probe in case.probes
+        if not isinstance(probe, HubProbe)
+        for point in (probe.points() if isinstance(probe, RegionProbe) else [probe])
+    ]
     sensed = [(k, probe) for k, probe in enumerate(probes) if probe.sensor_mass is not None]
     if not sensed:
         return None, []
@@ -199,6 +204,15 @@ class _Finder:
         self.mesh = mesh
         self.surfaces = {name: Surface(mesh, name) for name in ("outer", "inner")}
 
+    def find_all(self, point: Point | RegionProbe) -> list[Placed]:
+        """The one place of a point, or those of a region's points. Raises MeshError as `find`."""
+        if not isinstance(point, RegionProbe):
+            return [self.find(point)]
+        points = list(point.points())
+        s, degrees = np.array([(one.s, one.angle) for one in points]).T
+        spots = self.surfaces[point.surface].spots(s, np.deg2rad(degrees))
+        return [self._in_region(one, spots.one(k)) for k, one in enumerate(points)]
+
     def find(self, point: Point) -> Placed:
         """The place actually used, and its column over the ring's dofs.
 
@@ -211,9 +225,12 @@ class _Finder:
             assert isinstance(point, OnSurface)
             place, column = self._on_surface(point, angle)
         place = replace(place, sensor_mass=getattr(point, "sensor_mass", None) or 0.0)
+        return self._off_rim(place, column)
+
+    def _off_rim(self, place: Place, column: csc_array) -> Placed:
         if _displacement(self.mesh, column).nnz == 0:
             raise MeshError(
-                f"{point.name!r} lies on the rim, which is fixed; move it off the rim "
+                f"{place.name!r} lies on the rim, which is fixed; move it off the rim "
                 'or, for the force on the rim, use a probe of kind = "hub"'
             )
         return place, column
@@ -222,6 +239,14 @@ class _Finder:
         """The columns of a place along r, y and theta. Raises MeshError as `find`."""
         for direction in get_args(Direction):
             yield self.find(point.model_copy(update={"direction": direction}))[1]
+
+    def _in_region(self, point: OnSurface, spot: Spots) -> Placed:
+        """A point of a region, found already."""
+        angle = float(np.deg2rad(point.angle))
+        r, y = float(spot.r[0]), float(spot.y[0])
+        place = Place(point.name, REGION, point.surface, point.s, r, y, angle, point.direction)
+        column = surface_column(self.mesh, spot, np.ones(1), point.direction, angle)
+        return self._off_rim(place, column)
 
     def _on_surface(self, point: OnSurface, angle: float) -> Placed:
         """An interpolated point, or a disc around it."""

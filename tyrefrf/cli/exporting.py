@@ -1,0 +1,77 @@
+"""`tyrefrf export`: from a results file to files of other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from tyrefrf.case.faults import did_you_mean
+from tyrefrf.errors import CommandError, ResultsError
+
+if TYPE_CHECKING:
+    from tyrefrf.results import Results, SweepResults
+    from tyrefrf.results.results import Quantity
+
+
+def export_to_files(
+    file: Path,
+    formats: Sequence[str],
+    quantity: Quantity,
+    output: Path | None,
+    reference: str,
+    *,
+    force: bool,
+    json: bool,
+) -> None:
+    """Export a results file and print the files written.
+
+    Raises CommandError for a wrong format or reference, and where a file exists and nothing may be
+    replaced; ResultsError as `load_any` and `export`.
+    """
+    from tyrefrf.cli.report import as_json
+    from tyrefrf.results import load_any
+    from tyrefrf.results.derived import reference_of
+    from tyrefrf.results.export import FORMATS, check_formats, export, planned_files
+
+    for form in formats:
+        if form not in FORMATS:
+            hint = did_you_mean(form, FORMATS)
+            raise CommandError(f"--to: no format {form!r}; there are {', '.join(FORMATS)}{hint}")
+    if not formats:
+        raise CommandError(f"--to: no format; there are {', '.join(FORMATS)}")
+    try:
+        relative_to = reference_of(quantity, reference)
+    except ResultsError as error:
+        raise CommandError(f"--reference: {error}") from None
+    check_formats(formats)
+    results = load_any(file)
+    stem = (output or file.parent) / file.stem
+    try:
+        planned = planned_files(results, stem, formats, quantity)
+    except ResultsError as error:
+        raise ResultsError(f"{file}: {error}") from None
+    there = [path for path in planned if path.exists()]
+    if there and not force:
+        raise CommandError(
+            f"{', '.join(map(str, there))} exists; --force replaces it, --output DIR writes "
+            "somewhere else"
+        )
+    written = [str(path) for path in export(results, stem, formats, quantity, relative_to)]
+    typer.echo(as_json({"files": written}) if json else "\n".join(written))
+
+
+def exported(results: Results | SweepResults, target: Path, formats: Sequence[str]) -> list[Path]:
+    """The files that the case's `output.export` asks for, beside the results file."""
+    from tyrefrf.results.export import export
+
+    return export(results, target.with_name(target.stem), formats)
+
+
+def check_exports(formats: Sequence[str]) -> None:
+    """Raise ResultsError before anything is computed, where a format needs a missing library."""
+    from tyrefrf.results.export import check_formats
+
+    check_formats(formats)
