@@ -60,6 +60,7 @@ def with_cells(case: Case, n_cells: int) -> Case:
 def with_elements(case: Case, along: int, through: int) -> Case:
     """The same section in so many elements from rim to rim, and through the wall."""
     changes = {"elements_along": along, "elements_through": through}
+    assert case.geometry is not None
     return case.model_copy(update={"geometry": case.geometry.model_copy(update=changes)})
 
 

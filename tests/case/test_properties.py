@@ -27,6 +27,7 @@ from tyrefrf.errors import CaseError
 
 STARTER = tomllib.loads(starter_text())
 SHIPPED = Path(__file__).parents[2] / "cases"
+MESHED = tomllib.loads((SHIPPED / "mesh_section.toml").read_text())
 LAYERED = tomllib.loads((SHIPPED / "paper" / "layered.toml").read_text())
 
 words = st.sampled_from(
@@ -58,8 +59,8 @@ def places(data, key=()):
 
 @st.composite
 def spoilt(draw):
-    """Draw the starter or the layered case with a few values replaced, added or removed."""
-    data = copy.deepcopy(draw(st.sampled_from([STARTER, LAYERED])))
+    """Draw a shipped case with a few values replaced, added or removed."""
+    data = copy.deepcopy(draw(st.sampled_from([STARTER, LAYERED, MESHED])))
     for key in draw(st.lists(st.sampled_from(places(data)), min_size=1, max_size=3)):
         here = data
         for part in key[:-1]:

@@ -1,11 +1,12 @@
 """Case files: TOML becomes a frozen, validated `Case`, or one `CaseError` with every problem."""
 
 from tyrefrf.case.cell import Cell
-from tyrefrf.case.digest import read_bytes, unreadable
+from tyrefrf.case.files import NamedFile, file_digests, files_of, read_bytes, unreadable
 from tyrefrf.case.frequency import Frequency
 from tyrefrf.case.geometry import Bead, Belt, Geometry, Thickness, Tread
 from tyrefrf.case.grid import Grid, make_grid
 from tyrefrf.case.inflation import Inflation
+from tyrefrf.case.laid import laid_name
 from tyrefrf.case.load import build_case, load_case, parse_case, read_text
 from tyrefrf.case.locate import with_lines
 from tyrefrf.case.material import (
@@ -18,6 +19,7 @@ from tyrefrf.case.material import (
     Viscoelastic,
 )
 from tyrefrf.case.measured import Columns, Dof, MeasuredFile
+from tyrefrf.case.mesh import CellFile, MeshFile, Region, SectionFile
 from tyrefrf.case.model import Case, Damping, Output
 from tyrefrf.case.modulus import FractionalZener, ModulusLaw, PronySeries, Shift, TabledModulus
 from tyrefrf.case.places import (
@@ -47,6 +49,7 @@ __all__ = [
     "Belt",
     "Case",
     "Cell",
+    "CellFile",
     "Columns",
     "Cord",
     "Damping",
@@ -61,7 +64,9 @@ __all__ = [
     "Load",
     "Material",
     "MeasuredFile",
+    "MeshFile",
     "ModulusLaw",
+    "NamedFile",
     "NodeLoad",
     "NodeProbe",
     "OnPatch",
@@ -76,7 +81,9 @@ __all__ = [
     "Probe",
     "PronySeries",
     "Range",
+    "Region",
     "RegionProbe",
+    "SectionFile",
     "Shift",
     "Solver",
     "SolverName",
@@ -90,6 +97,9 @@ __all__ = [
     "builtin_text",
     "case_hash",
     "case_schema",
+    "file_digests",
+    "files_of",
+    "laid_name",
     "load_case",
     "make_grid",
     "parse_case",

@@ -9,7 +9,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tyrefrf.case.faults import Fault, did_you_mean, shown
+from tyrefrf.case.laid import name_at
 from tyrefrf.case.reach import reach_faults
+
+SOURCES = ("geometry", "mesh")
+"""Tables that say what the tyre is; a case has one of them."""
 
 REGIONS = ("tread", "belt", "bead")
 """Sub-tables of geometry that name a material of their own."""
@@ -17,7 +21,10 @@ REGIONS = ("tread", "belt", "bead")
 
 def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     """Yield what is wrong between the tables of a case, given as plain data of any quality."""
-    yield from _material_faults(_table(data, "geometry"), _table(data, "materials"))
+    yield from _source_faults(data)
+    yield from _material_faults(_regions(data), _table(data, "materials"))
+    yield from _angle_faults(_table(data, "mesh"), _table(data, "materials"))
+    yield from _around_faults(_table(data, "mesh"), _table(data, "cell"))
     deflections = _table(data, "output").get("deflections", ())
     yield from reach_faults(_table(data, "materials"), data.get("frequency"), deflections)
     yield from _inflation_faults(_table(data, "inflation"), _table(data, "cell"))
@@ -35,33 +42,81 @@ def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _of_regions(names, {i for i in probes if probes[i].get("kind") == "region"})
 
 
-def _material_faults(geometry: dict[str, Any], materials: dict[str, Any]) -> Iterator[Fault]:
-    used = _region_materials(geometry)
-    if not materials or not all(isinstance(name, str) for name in used.values()):
+def _source_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """A case has exactly one of the tables that say what the tyre is."""
+    there = [name for name in SOURCES if data.get(name) is not None]
+    if not there:
+        tables = " or ".join(f"[{name}]" for name in SOURCES)
+        yield Fault(SOURCES[:1], f"missing: the section of the tyre; give {tables}")
+    for name in there[1:]:
+        yield Fault((name,), f"not together with [{there[0]}]; give one of the two")
+
+
+def _material_faults(
+    used: dict[tuple[str, ...], object], materials: dict[str, Any]
+) -> Iterator[Fault]:
+    """Regions without a material, and materials without a region."""
+    if not used or not materials or not all(isinstance(name, str) for name in used.values()):
         return  # the table's own error says it
     undefined = {key: str(name) for key, name in used.items() if name not in materials}
     defined = f"[materials] has {', '.join(shown(name) for name in materials)}"
     for key, name in undefined.items():
         message = f"undefined material {shown(name)}; {defined}{did_you_mean(name, materials)}"
-        yield Fault(("geometry", *key), message)
+        yield Fault(key, message)
     if undefined:
         return  # what seems unused may be what was meant
     for name in materials:
         if name not in used.values():
-            regions = ", ".join(".".join(("geometry", *key)) for key in used)
+            regions = ", ".join(".".join(key) for key in used)
             message = f"no region uses this material; remove it, or name it in {regions}"
             yield Fault(("materials", name), message)
 
 
-def _region_materials(geometry: dict[str, Any]) -> dict[tuple[str, ...], object]:
-    """The material that each region of the section names, by its key within geometry."""
-    used: dict[tuple[str, ...], object] = {("material",): geometry.get("material")}
+def _regions(data: Mapping[str, Any]) -> dict[tuple[str, ...], object]:
+    """The material that each region of the tyre names, by its key."""
+    if data.get("mesh") is not None:
+        sets = _table(_table(data, "mesh"), "materials")
+        return {
+            ("mesh", "materials", name): entry.get("material") if isinstance(entry, dict) else entry
+            for name, entry in sets.items()
+        }
+    geometry = _table(data, "geometry")
+    if data.get("geometry") is None:
+        return {}
+    used: dict[tuple[str, ...], object] = {("geometry", "material"): geometry.get("material")}
     for region in REGIONS:
         table = geometry.get(region)
         if table is not None:
             table = table if isinstance(table, dict) else {}
-            used[region, "material"] = table.get("material")
+            used["geometry", region, "material"] = table.get("material")
     return used
+
+
+def _angle_faults(mesh: dict[str, Any], materials: dict[str, Any]) -> Iterator[Fault]:
+    """Sets that turn what has no one axis to turn."""
+    for name, entry in _table(mesh, "materials").items():
+        if not isinstance(entry, dict) or entry.get("angle") is None:
+            continue
+        key = ("mesh", "materials", name, "angle")
+        stuff = _table(materials, str(entry.get("material")))
+        kind, called = stuff.get("kind", "isotropic"), shown(entry.get("material"))
+        if (
+            isinstance(entry["angle"], float)
+            and name_at(entry["material"], entry["angle"]) in materials
+        ):
+            yield Fault(key, f"{called} at this angle is called as another material; rename that")
+        if stuff and kind == "isotropic":
+            yield Fault(key, f"{called} is isotropic: it has no axis to turn")
+        angles = stuff.get("angles")
+        if kind == "ply" and isinstance(angles, list | tuple) and len(angles) > 1:
+            message = f"{called} has plies at {len(angles)} angles; give each angle its own set"
+            yield Fault(key, f"{message}, or a material of its own")
+
+
+def _around_faults(mesh: dict[str, Any], cell: dict[str, Any]) -> Iterator[Fault]:
+    if mesh.get("kind") == "cell" and cell.get("elements_around", 1) != 1:
+        message = "not with mesh.kind = 'cell': the file has its own elements around; leave it out"
+        yield Fault(("cell", "elements_around"), message)
 
 
 def _inflation_faults(inflation: dict[str, Any], cell: dict[str, Any]) -> Iterator[Fault]:

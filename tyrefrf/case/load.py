@@ -23,7 +23,8 @@ MAX_BYTES = 10_000_000
 def load_case(path: str | Path) -> Case:
     """Read a case file; its name is the case's, unless it gives another."""
     path = Path(path)
-    return parse_case(read_text(path), str(path), path.stem).placed_in(path.parent)
+    case = parse_case(read_text(path), str(path), path.stem)
+    return case.beside(path.parent)
 
 
 def read_text(path: Path) -> str:

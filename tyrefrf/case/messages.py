@@ -108,7 +108,10 @@ def _unknown_key(loc: Key) -> str:
 def _description(loc: Key) -> str:
     if loc[-1] == "[key]":  # a material's name
         return "one line of 1 to 100 characters"
-    return _inside(loc[:-1]).model_fields[str(loc[-1])].description or ""
+    fields = getattr(_inside(loc[:-1]), "model_fields", None)
+    if fields is None:  # an entry of a table of names, or one of its forms
+        return _description(loc[:-1])
+    return fields[str(loc[-1])].description or ""
 
 
 def _inside(loc: Key) -> Any:

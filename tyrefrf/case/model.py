@@ -18,8 +18,10 @@ from tyrefrf.case.faults import Fault, number_text
 from tyrefrf.case.frequency import Frequency, Hertz
 from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.inflation import Inflation
+from tyrefrf.case.laid import laid_materials
 from tyrefrf.case.material import Material
 from tyrefrf.case.measured import MeasuredFile
+from tyrefrf.case.mesh import Mesh
 from tyrefrf.case.places import Load, Probe
 from tyrefrf.case.solver import Solver
 from tyrefrf.case.sweep import Sweep
@@ -79,7 +81,12 @@ class Case(Table):
     title: str = Field(
         "", pattern=r"^[^\x00-\x1f\x7f]{0,200}$", description="title of the plots, one line"
     )
-    geometry: Geometry = Field(description="the section of the tyre")
+    geometry: Geometry | None = Field(
+        None, description="the section of the tyre; or a mesh from a file, as [mesh]"
+    )
+    mesh: Mesh | None = Field(
+        None, description="the section of the tyre, or one cell, from a mesh file"
+    )
     materials: dict[Name, Material] = Field(
         min_length=1, description="materials by name, as [materials.rubber]"
     )
@@ -109,18 +116,23 @@ class Case(Table):
         '{ range = [first, last], count = n, spacing = "linear" }',
     )
 
-    _directory: Path = PrivateAttr(Path())
+    _directory: Path = PrivateAttr(default_factory=Path)
 
     @property
     def directory(self) -> Path:
-        """Where the files are that the case names: the directory of its own file."""
+        """Where the files that the case names are: beside its own."""
         return self._directory
 
-    def placed_in(self, directory: Path) -> Self:
-        """The same case, whose files are in another directory; that is no part of its data."""
-        placed = self.model_copy()
-        placed._directory = directory
-        return placed
+    def beside(self, directory: Path) -> Self:
+        """The same case with its files in another directory; it is no part of the case's data."""
+        moved = self.model_copy()
+        moved._directory = directory
+        return moved
+
+    @property
+    def laid_materials(self) -> dict[str, Material]:
+        """[materials], and those that sets of elements lay at an angle of their own."""
+        return {**self.materials, **laid_materials(self.materials, self.mesh)}
 
     def _faults(self) -> Iterator[Fault]:
         yield from cross_faults(self.model_dump())

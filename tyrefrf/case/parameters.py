@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 
 from tyrefrf.case.axis import Axis, number_of
 from tyrefrf.case.faults import Fault, did_you_mean, shown
+from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.messages import problems_of
 from tyrefrf.case.model import Case
 from tyrefrf.case.sweep import Range, Values
@@ -91,9 +92,19 @@ def find_parameter(case: Case, name: str) -> Parameter:
             places = ", ".join(f"{p.place} ({p.name})" for p in fitting)
             raise CaseError([Problem((), f"{shown(name)} may be {places}; say which")])
     hint = did_you_mean(name, [word for p in known for word in (p.name, p.place)])
+    if case.geometry is None and any(fits(p, name) for p in _sizes() for fits in _FITS):
+        message = f"no parameter {shown(name)} in this case: its section has no [geometry]"
+        raise CaseError([Problem((), f"{message}, but comes from a file, whose sizes are fixed")])
     there = ", ".join(p.name for p in known)
     message = f"no parameter {shown(name)} in this case; there are {there}{hint}"
     raise CaseError([Problem((), message)])
+
+
+def _sizes() -> list[Parameter]:
+    """The parameters of a full [geometry], which a case with a mesh file lacks."""
+    layers = {name: {"material": "-"} for name in ("tread", "belt", "bead")}
+    full = {"material": "-", "elements_through": 3, **layers}
+    return list(_inside(("geometry",), Geometry.model_validate(full), ""))
 
 
 _FITS: tuple[Callable[[Parameter, str], bool], ...] = (

@@ -54,7 +54,10 @@ class AtNode(Point):
     """A node of the mesh: the nearest to a place, or a section's node by its number."""
 
     node: int | None = Field(
-        None, ge=0, le=10**6, description="number of the section's node, from 0"
+        None,
+        ge=0,
+        le=10**9,
+        description="number of the section's node: from 0, or as the [mesh] file numbers it",
     )
     surface: Surface = Field("outer", description=_SURFACE)
     s: ArcFraction | None = Field(None, description=_S)

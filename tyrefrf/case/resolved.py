@@ -8,7 +8,7 @@ from typing import Any
 
 import tomli_w
 
-from tyrefrf.case.digest import file_digests
+from tyrefrf.case.files import file_digests
 from tyrefrf.case.model import Case
 
 
@@ -30,11 +30,12 @@ def resolved_toml(case: Case) -> str:
 def case_hash(case: Case) -> str:
     """Return the SHA-256 of the resolved case, however its file is written.
 
-    `[sweep]` has no part in it: no result of the case itself depends on that table. The content
-    of files that the case names has. Raises CaseError where one of them cannot be read.
+    The content of files that the case names counts, not where they are. `[sweep]` has no part in
+    it: no result of the case itself depends on that table. Raises CaseError for files that cannot
+    be read.
     """
     data = _unswept(resolved(case))
-    files = file_digests(case)
-    hashed = {**data, "files": files} if files else data
-    canonical = json.dumps(hashed, sort_keys=True, separators=(",", ":"))
+    if files := file_digests(case):
+        data["files"] = files
+    canonical = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()

@@ -314,6 +314,7 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
     """What a case would compute."""
     lines = [
         f"{case.title or case.name}: {case.name}",
+        *(f"  mesh      {line}" for line in found.mesh_file),
         f"  section   {found.section_nodes} nodes, {found.section_elements} {case.cell.element} "
         f"elements, {found.free_section_dofs} dofs that move",
         f"  cell      {found.cell_nodes} nodes, {found.cell_dofs} dofs, "

@@ -145,10 +145,9 @@ def read_case(case_file: Path | None, solver: str | None) -> tuple[Case, str]:
     """The case of a file, or the built-in tyre, and its text; with another solver if named."""
     text = builtin_text() if case_file is None else read_text(case_file)
     case = parse_case(text, _called(case_file), case_file.stem if case_file else "tyre")
-    case = case.placed_in(case_file.parent if case_file else Path())
     if solver not in (None, case.solver.name):  # its own keeps its options
         case = case.model_copy(update={"solver": Solver.model_validate({"name": solver})})
-    return case, text
+    return case.beside(case_file.parent) if case_file else case, text
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from tyrefrf.mesh.centre_line import centre_line
 from tyrefrf.mesh.grid import grid_section
 from tyrefrf.mesh.layers import element_materials, find_borders, row_offsets, station_places
 from tyrefrf.mesh.section import SectionMesh
-from tyrefrf.mesh.shapes import QUAD4, QUAD8, shape
+from tyrefrf.mesh.shapes import folded
 
 if TYPE_CHECKING:
     from tyrefrf.case import Geometry
@@ -50,7 +50,7 @@ def tyre_section(geometry: Geometry, quadratic: bool) -> SectionMesh:
         np.concatenate([material, material[::-1]]),
         materials,
     )
-    if _folded(section):
+    if folded(section.points, section.quads).any():
         tread = ", or tread.buttress smaller" if geometry.tread else ""
         raise MeshError(
             "the section folds over itself: it is thicker than twice the radius of its bends; make "
@@ -77,12 +77,3 @@ def _mirrored(half: FloatArray) -> FloatArray:
     crown = half[-1:].copy()
     crown[..., 1] = 0.0
     return np.concatenate([half[:-1], crown, half[-2::-1] * [1.0, -1.0]])
-
-
-def _folded(section: SectionMesh) -> bool:
-    """Whether a quadrilateral is turned inside out: anywhere on 13 x 13 natural points."""
-    nodes = QUAD4 if section.quads.shape[1] == 4 else QUAD8
-    line = np.linspace(-1.0, 1.0, 13)
-    _, dN = shape(nodes, np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2))
-    J = np.einsum("gak,eai->egki", dN, section.points[section.quads], optimize=True)
-    return not np.all(np.linalg.det(J) > 0.0)

@@ -20,6 +20,7 @@ class SectionMesh:
     rim: numbers of the nodes on the rim.
     outer, inner: (k, 2) or (k, 3) edges of the two surfaces from the rim at y < 0 to the rim at
         y > 0: first node, last node, and of three the mid-side last.
+    numbers: (n,) of the nodes in the file that they were read from; None if they were made here.
     """
 
     points: FloatArray
@@ -29,6 +30,7 @@ class SectionMesh:
     rim: IntArray
     outer: IntArray
     inner: IntArray
+    numbers: IntArray | None = None
 
     @property
     def n_nodes(self) -> int:

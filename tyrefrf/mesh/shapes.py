@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tyrefrf.arrays import FloatArray
+from tyrefrf.arrays import BoolArray, FloatArray, IntArray
 
 LINE2 = np.array([[-1.0], [1.0]])
 LINE3 = np.array([[-1.0], [1.0], [0.0]])
@@ -50,3 +50,15 @@ def shape(nodes: FloatArray, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
         dN[:, a] = bubble[:, None] * nodes[a] * others[:, a] / 2 ** (n_dims - 1)
         dN[:, a, m] = -2.0 * xi[:, m] * P[:, a] / 2 ** (n_dims - 1)
     return N, dN
+
+
+def folded(points: FloatArray, quads: IntArray) -> BoolArray:
+    """Whether each quadrilateral (e,) is turned inside out: anywhere on 13 x 13 natural points.
+
+    points: (n, 2). quads: (e, 4) or (e, 8).
+    """
+    nodes = QUAD4 if quads.shape[1] == 4 else QUAD8
+    line = np.linspace(-1.0, 1.0, 13)
+    _, dN = shape(nodes, np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2))
+    J = np.einsum("gak,eai->egki", dN, points[quads], optimize=True)
+    return np.asarray(np.any(~(np.linalg.det(J) > 0.0), axis=1))

@@ -109,6 +109,7 @@ def section_of(columns: Columns) -> SectionMesh:
     mesh: dict[str, Any] = {
         attribute.name: columns[f"section/{attribute.name}"]
         for attribute in attributes(SectionMesh)
+        if attribute.name != "numbers"  # of the mesh file: they are not kept
     }
     return SectionMesh(**{**mesh, "materials": tuple(mesh["materials"])})
 

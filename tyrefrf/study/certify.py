@@ -15,7 +15,7 @@ import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
 from tyrefrf.case import AtNode, Case, Load, Probe, Solver, build_case, resolved
-from tyrefrf.errors import CaseError, MeshError, SolveError
+from tyrefrf.errors import CaseError, MeshError, Problem, SolveError
 from tyrefrf.mesh.place import Place
 from tyrefrf.results import Results
 from tyrefrf.results.certificate import Certificate
@@ -129,11 +129,14 @@ def refined_case(case: Case, model: Model) -> Case:
     What snaps to a node keeps the plane that it has in the model: those planes are in the finer
     ring too. Raises CaseError where such cells are not allowed.
     """
+    if case.mesh is not None and case.mesh.kind == "cell":
+        message = f"{case.mesh.file} is one cell of {case.cell.sector_angle:g} deg, as it is"
+        raise CaseError([Problem(("mesh", "file"), message)])
     data = {key: value for key, value in resolved(case).items() if key != "sweep"}
     data["cell"] = {**data["cell"], "sector_angle": case.cell.sector_angle / 2.0}
     data["loads"] = _kept(data["loads"], case.loads, model.loads)
     data["probes"] = _kept(data["probes"], case.probes, model.probes[len(model.loads) :])
-    return build_case(data, case.name).placed_in(case.directory)
+    return build_case(data, case.name).beside(case.directory)
 
 
 def _kept(

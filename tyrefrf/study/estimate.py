@@ -17,6 +17,7 @@ from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.study.choose import decided
 from tyrefrf.study.cost import line_seconds, section_dofs
 from tyrefrf.study.model import Model, build_model
+from tyrefrf.study.outside import described
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
 
 PROCESS_MEMORY = 130e6  # bytes of a process with numpy and scipy loaded
@@ -28,7 +29,7 @@ class Estimate:
     """Sizes of the model, how finely it is meshed, and what solving would take.
 
     mass: of the tyre [kg]; masses: by material. seconds: wall time. memory: of all processes
-    together [bytes].
+    together [bytes]. mesh_file: what was read from the case's mesh file, if it has one.
     """
 
     section_nodes: int
@@ -47,6 +48,7 @@ class Estimate:
     n_probes: int
     n_sensors: int
     resolution: tuple[Resolution, ...]
+    mesh_file: tuple[str, ...]
     warnings: tuple[str, ...]
     solver: str
     seconds: float
@@ -63,7 +65,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
     mesh, problem = model.mesh, model.problem
     solver = decided(case, problem)[0].solver
     lines = case.frequency.lines()
-    laws = {name: constitutive(case.materials[name]) for name in mesh.materials}
+    laws = {name: constitutive(case.laid_materials[name]) for name in mesh.materials}
     resolution = resolutions(mesh, laws, lines[-1])
     return Estimate(
         section_nodes=mesh.n_face,
@@ -82,7 +84,8 @@ def estimate(case: Case, jobs: int) -> Estimate:
         n_probes=len(model.probes),
         n_sensors=len(problem.sensors.mass) if problem.sensors else 0,
         resolution=resolution,
-        warnings=(*_coarse(resolution), *_small_discs(model)),
+        mesh_file=described(case) if case.mesh is not None else (),
+        warnings=(*_coarse(case, resolution), *_small_discs(model)),
         solver=solver.name,
         seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,
         memory=_memory(solver, problem, jobs),
@@ -111,12 +114,13 @@ def _mass_along(element: Element, mesh: CellMesh, index: int, rho: float) -> flo
     return float(element.mass(X, rho)[:, 1::3, 1::3].sum())
 
 
-def _coarse(resolution: tuple[Resolution, ...]) -> list[str]:
+def _coarse(case: Case, resolution: tuple[Resolution, ...]) -> list[str]:
     """A warning for every material that is meshed too coarsely, and what would mend it."""
+    along = "more geometry.elements_along" if case.geometry else "a finer mesh file"
     return [
         f"{r.material}: {r.per_wavelength:.1f} elements per wavelength at the top frequency "
         f"({r.enough:g} recommended); elements of {1e3 * r.per_wavelength * r.size / r.enough:.2g} "
-        'mm would do (smaller cell.sector_angle, more geometry.elements_along, or "hex20")'
+        f'mm would do (smaller cell.sector_angle, {along}, or "hex20")'
         for r in resolution
         if not r.fine
     ]

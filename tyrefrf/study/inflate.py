@@ -24,7 +24,7 @@ def inflate(case: Case, mesh: CellMesh, cell: CellMatrices) -> Inflation:
     a tyre whose static stiffness is indefinite has buckled.
     """
     element = ELEMENTS[case.cell.element]
-    laws = {name: constitutive(case.materials[name]) for name in mesh.materials}
+    laws = {name: constitutive(case.laid_materials[name]) for name in mesh.materials}
     static, dynamic = {}, {}
     for index, name in enumerate(mesh.materials):
         X, law = mesh.cartesian[mesh.bricks[mesh.material == index]], laws[name]

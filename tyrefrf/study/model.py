@@ -9,8 +9,16 @@ from typing import get_args
 import numpy as np
 from scipy.sparse import csc_array, hstack
 
-from tyrefrf.case import AtNode, Case, HubProbe, OnPatch, OnSurface, Point, RegionProbe
-from tyrefrf.case.digest import file_digests
+from tyrefrf.case import (
+    AtNode,
+    Case,
+    HubProbe,
+    OnPatch,
+    OnSurface,
+    Point,
+    RegionProbe,
+    file_digests,
+)
 from tyrefrf.case.places import Direction
 from tyrefrf.errors import CaseError, MeshError, Problem
 from tyrefrf.fem.assembly import CellAssembly, CellMatrices
@@ -23,6 +31,7 @@ from tyrefrf.mesh.profile import tyre_section
 from tyrefrf.mesh.surface import Spots, Surface
 from tyrefrf.solvers import RingProblem, Sensors
 from tyrefrf.study.inflate import elasticity_key, inflate
+from tyrefrf.study.outside import mesh_of_file
 
 Placed = tuple[Place, csc_array]
 
@@ -53,7 +62,6 @@ def build_model(case: Case) -> Model:
     the tyre bears, or a file that the case names cannot be read, and MeshError where the section or
     cell cannot be meshed.
     """
-    file_digests(case)  # results will need them: better now than after hours
     return Workshop().model(case)
 
 
@@ -69,11 +77,13 @@ class Workshop:
 
         Raises CaseError and MeshError as `build_model`.
         """
-        key = case.model_dump_json(include={"geometry", "cell", "loads", "probes", "sensors"})
+        files = file_digests(case)  # results will need them all: better now than after hours
+        tables = {"geometry", "mesh", "cell", "loads", "probes", "sensors"}
+        key = "".join([case.model_dump_json(include=tables), *map(str, files)])
         if key not in self._outlines:
             self._outlines[key] = Outline.of(case)
         outline = self._outlines[key]
-        cell = outline.assembly.cell(case.materials, case.damping)
+        cell = outline.assembly.cell(case.laid_materials, case.damping)
         inflation = self._inflation(key, case, outline.mesh, cell)
         if inflation is not None:
             follows = case.inflation.pressure_stiffness
@@ -95,7 +105,8 @@ class Workshop:
         """The case's inflation; it depends on nothing of the materials but their elasticity."""
         if case.inflation.pressure == 0.0:
             return None
-        elasticities = (elasticity_key(case.materials[name]) for name in mesh.materials)
+        materials = case.laid_materials
+        elasticities = (elasticity_key(materials[name]) for name in mesh.materials)
         key = (outline, case.inflation.model_dump_json(), *elasticities)
         if key not in self._inflations:
             self._inflations[key] = inflate(case, mesh, cell)
@@ -120,7 +131,7 @@ class Outline:
 
     @classmethod
     def of(cls, case: Case) -> Outline:
-        """From a case's geometry, cell, loads and probes."""
+        """From a case's geometry or mesh file, cell, loads and probes."""
         mesh = build_mesh(case)
         loads, probes = _place_all(mesh, case)
         hub = any(isinstance(probe, HubProbe) for probe in case.probes)
@@ -145,7 +156,13 @@ class Outline:
 
 
 def build_mesh(case: Case) -> CellMesh:
-    """Mesh one cell of a case. Raises CaseError or MeshError where its sizes do not fit."""
+    """Mesh one cell of a case, or read it.
+
+    Raises CaseError or MeshError where its sizes do not fit, or its file is no such mesh.
+    """
+    if case.mesh is not None:
+        return mesh_of_file(case)
+    assert case.geometry is not None  # the case saw to it that there is one of the two
     quadratic = ELEMENTS[case.cell.element].n_nodes == 20
     section = tyre_section(case.geometry, quadratic)
     return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)
@@ -273,13 +290,9 @@ class _Finder:
         if point.node is None:
             assert point.s is not None  # the case saw to it
             node, plane = self.surfaces[point.surface].nearest(point.s, angle)
-        elif point.node < mesh.n_face:
-            node, plane = point.node, self.surfaces["outer"].nearest_plane(point.node, angle)
         else:
-            raise MeshError(
-                f"node {point.node} is not in the section, which has {mesh.n_face} nodes; "
-                f"give 0 to {mesh.n_face - 1}"
-            )
+            node = self._numbered(point.node)
+            plane = self.surfaces["outer"].nearest_plane(node, angle)
         cell, layer = divmod(plane, len(mesh.planes) - 1)
         cell %= round(2.0 * np.pi / mesh.sector_angle)
         number = int(mesh.planes[layer, node])
@@ -288,6 +301,17 @@ class _Finder:
         angle = cell * mesh.sector_angle + theta
         place = Place(point.name, "node", surface, s, r, y, angle, point.direction)
         return place, node_column(mesh, cell, number, point.direction)
+
+    def _numbered(self, number: int) -> int:
+        """The section's node of a number: the file's, if the section was read from one."""
+        numbers = self.mesh.section.numbers
+        if numbers is None and number < self.mesh.n_face:
+            return number
+        if numbers is not None and len(found := np.flatnonzero(numbers == number)):
+            return int(found[0])
+        n = self.mesh.n_face
+        known = f"0 to {n - 1}" if numbers is None else "a number from the file"
+        raise MeshError(f"node {number} is not in the section, which has {n} nodes; give {known}")
 
     def _surface_of(self, node: int) -> tuple[str, float]:
         """The surface that a section node lies on, and where along it; "" and NaN for neither."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.fem.constitutive import Constitutive
@@ -109,11 +110,14 @@ def _walls(section: SectionMesh, stuff: list[_Waves]) -> tuple[FloatArray, Float
     """Of the wall that each quadrilateral is part of: thickness, bending stiffness, mass.
 
     (e,) each; [m], [N m] per width about the neutral axis, and [kg/m2]. Layers are taken as flat.
+    In a free mesh, which has no columns, a quadrilateral's wall is as thick as the surfaces are
+    apart there, and all of its own material.
     """
     t = _layer_thickness(section)
     plate = np.array([m.plate for m in stuff])[section.material]
     rho = np.array([m.rho for m in stuff])[section.material]
-    wall = np.zeros((3, section.n_elements))
+    gap = _gaps(section)
+    wall = np.stack([gap, plate * gap**3 / 12.0, rho * gap])
     for stack in _stacks(section):
         h, E = t[stack], plate[stack]
         z = np.cumsum(h) - h / 2.0
@@ -124,19 +128,32 @@ def _walls(section: SectionMesh, stuff: list[_Waves]) -> tuple[FloatArray, Float
 
 
 def _stacks(section: SectionMesh) -> list[IntArray]:
-    """Numbers of the quadrilaterals of each column, from the inner surface outwards.
+    """Numbers of the quadrilaterals of each column, from the inner surface to the outer.
 
-    A quadrilateral's first edge, between its corners 0 and 3, is its inner one.
+    A quadrilateral's first edge, between its corners 0 and 3, is its inner one. Where a column of
+    a free mesh ends inside the wall, it is none.
     """
     inside, outside = section.quads[:, [0, 3]], section.quads[:, [1, 2]]
     on = {tuple(edge): e for e, edge in enumerate(inside.tolist())}
+    outer = {frozenset(edge) for edge in section.outer[:, :2].tolist()}
     stacks = []
     for edge in section.inner[:, :2].tolist():
-        stack = [on[tuple(edge)]]
-        while (above := on.get(tuple(outside[stack[-1]].tolist()))) is not None:
+        stack = [on[tuple(edge)]] if tuple(edge) in on else []
+        while stack and (above := on.get(tuple(outside[stack[-1]].tolist()))) is not None:
             stack.append(above)
-        stacks.append(np.array(stack))
+        if stack and frozenset(outside[stack[-1]].tolist()) in outer:
+            stacks.append(np.array(stack))
     return stacks
+
+
+def _gaps(section: SectionMesh) -> FloatArray:
+    """Distance (e,) [m] from the inner to the outer surface, by way of each quadrilateral."""
+    middle = section.points[section.quads[:, :4]].mean(axis=1)
+    inner, outer = (
+        cKDTree(section.points[edges].reshape(-1, 2)).query(middle)[0]
+        for edges in (section.inner, section.outer)
+    )
+    return np.asarray(inner + outer)
 
 
 def _layer_thickness(section: SectionMesh) -> FloatArray:

@@ -1,0 +1,85 @@
+"""A case's mesh file: read, revolved or taken as a cell, and what was read in words."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from tyrefrf.case import Case, CellFile, MeshFile, SectionFile, files_of
+from tyrefrf.errors import CaseError, MeshError, Problem
+from tyrefrf.fem.constitutive import constitutive
+from tyrefrf.fem.elements import ELEMENTS
+from tyrefrf.mesh.cell import CellMesh, revolve
+from tyrefrf.mesh.outside import OutsideMesh
+from tyrefrf.mesh.outside_section import outside_section
+from tyrefrf.mesh.reader import read_mesh
+
+
+def mesh_of_file(case: Case) -> CellMesh:
+    """The cell that a case's [mesh] describes.
+
+    Raises CaseError at the key, or MeshError naming the file, where it cannot be made of it.
+    """
+    source = _source(case)
+    outside = _read(case)
+    if isinstance(source, CellFile):
+        raise MeshError("mesh.kind = 'cell' is not there yet")
+    section = outside_section(outside, source, _oriented(case))
+    _refuse_element(case, section.quads.shape[1])
+    return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)
+
+
+def described(case: Case) -> tuple[str, ...]:
+    """What a case's mesh file holds, and what became of it, in lines."""
+    source, outside = _source(case), _read(case)
+    used = np.unique(np.concatenate([block.nodes.ravel() for block in outside.elements]))
+    x, y, z = 1e3 * outside.points[used].T
+    r = np.hypot(x, z)
+    count: Counter[str] = Counter()
+    for block in outside.elements:
+        count[block.kind] += len(block.numbers)
+    kinds = ", ".join(f"{n} {kind}" for kind, n in count.items())
+    sets = [
+        f"{name} {len(members)}{_made_of(source, name)}"
+        for name, members in outside.element_sets.items()
+    ]
+    nodes = [f"{name} {len(members)}" for name, members in outside.node_sets.items()]
+    surfaces = [f"{name} {len(members)}" for name, members in outside.surfaces.items()]
+    found = {"sets of elements": sets, "sets of nodes": nodes, "surfaces": surfaces}
+    return (
+        f"{source.file}: {len(outside.points)} nodes, {kinds}; r {r.min():.4g} to {r.max():.4g} "
+        f"mm, y {y.min():.4g} to {y.max():.4g} mm",
+        *(f"{what}: {', '.join(names)}" for what, names in found.items() if names),
+    )
+
+
+def _source(case: Case) -> SectionFile | CellFile:
+    assert case.mesh is not None  # who asks has seen to it
+    return case.mesh
+
+
+def _read(case: Case) -> OutsideMesh:
+    file = next(file for file in files_of(case) if file.key == ("mesh", "file"))
+    file.content()  # so that what is not there is said at the key
+    return read_mesh(file.path, _source(case))
+
+
+def _made_of(source: MeshFile, name: str) -> str:
+    return f" ({source.regions[name].material})" if name in source.regions else ""
+
+
+def _oriented(case: Case) -> list[str]:
+    """The materials that have to know how their layers lie."""
+    return [
+        name for name, stuff in case.laid_materials.items() if not constitutive(stuff).is_isotropic
+    ]
+
+
+def _refuse_element(case: Case, n_nodes: int) -> None:
+    """Raise CaseError where the case's element has not the nodes of the file's."""
+    name = case.cell.element
+    if ELEMENTS[name].n_nodes != {4: 8, 8: 20}[n_nodes]:
+        fit = [other for other, e in ELEMENTS.items() if e.n_nodes == {4: 8, 8: 20}[n_nodes]]
+        message = f"{name} does not fit {_source(case).file}, which has elements of {n_nodes} nodes"
+        raise CaseError([Problem(("cell", "element"), f"{message}; use {' or '.join(fit)}")])
