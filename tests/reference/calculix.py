@@ -18,6 +18,7 @@ from scipy.sparse import coo_array, csc_array
 from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
 from tyrefrf.fem.elements import Element, Incompatible
 from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.outside import Elements, OutsideMesh
 from tyrefrf.mesh.section import SectionMesh
 
 FOLDER = Path(__file__).resolve().parents[2].parent / "shared" / "reference"
@@ -72,6 +73,29 @@ def read_cell(name: str) -> CellMesh:
     mesh = CellMesh.over(section, points, ours[theirs], planes, SECTOR)
     assert set(mesh.rim) == set(ours[rim])
     return mesh
+
+
+def read_outside(name: str) -> OutsideMesh:
+    """The .inp file as it is, for `periodic_cell`."""
+    text = (FOLDER / f"{name}_cell.inp").read_text()
+    cards = _cards(text)
+    nodes = np.array(cards["*NODE, NSET=NALL"]).reshape(-1, 4)
+    (bricks,) = (rows for card, rows in cards.items() if card.startswith("*ELEMENT"))
+    kind, n_nodes = ("hexahedron20", 20) if "C3D20" in name else ("hexahedron", 8)
+    rows = np.array(bricks, dtype=np.int64).reshape(-1, 1 + n_nodes)
+    innermost = np.array(cards["*ELSET, ELSET=INNERE"], dtype=np.int64)
+    return OutsideMesh(
+        path=f"{name}_cell.inp",
+        points=nodes[:, 1:],
+        numbers=nodes[:, 0].astype(np.int64),
+        elements=(Elements(kind, rows[:, 1:] - 1, rows[:, 0]),),
+        element_sets={"ERUBBER": rows[:, 0]},
+        node_sets={
+            set_name: np.array(cards[f"*NSET, NSET={set_name}"], dtype=np.int64) - 1
+            for set_name in ("LEFT", "RIGHT", "RIM")
+        },
+        surfaces={"INNER": np.stack([innermost, np.full(len(innermost), 3)], axis=1)},
+    )
 
 
 def _cards(text: str) -> dict[str, list[float]]:

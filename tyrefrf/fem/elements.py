@@ -102,7 +102,7 @@ class Isoparametric:
     def stress(self, X: FloatArray, C: FloatArray, u: FloatArray) -> FloatArray:
         """Stress (e, g, 6) [Pa], Cartesian, under small displacements u (e, 3a) [m]."""
         strain = np.einsum("egvn,en->egv", self.strain(X)[0], u, optimize=True)
-        return np.einsum("...vw,egw->egv", C, strain)
+        return np.einsum("...vw,...w->...v", C, strain)
 
     def tangents(self, X: FloatArray) -> FloatArray:
         """Rows dx/dxi, dx/deta, dx/dzeta (e, g, 3, 3) [m] at the stiffness's Gauss points."""
@@ -182,7 +182,7 @@ class Incompatible(Isoparametric):
         """Stress (e, g, 6) [Pa], the incompatible part included."""
         H, _ = self.displacement_gradient(X, C)
         strain = np.einsum("vij,egijn,en->egv", VOIGT, H, u, optimize=True)
-        return np.einsum("...vw,egw->egv", C, strain)
+        return np.einsum("...vw,...w->...v", C, strain)
 
     def full_strain(self, X: FloatArray) -> tuple[FloatArray, FloatArray]:
         """B of the nodes and of the nine modes, and dV."""

@@ -50,7 +50,7 @@ class Deformed:
         E = np.einsum("vkl,egik,egil->egv", VOIGT, F, F, optimize=True) / 2.0
         E[..., :3] -= 0.5
         B = np.einsum("vkl,egik,egiln->egvn", VOIGT, F, H, optimize=True)
-        return cls(B, np.einsum("...vw,egw->egv", C, E), H, dV)
+        return cls(B, np.einsum("...vw,...w->...v", C, E), H, dV)
 
     def forces(self) -> FloatArray:
         """Inner forces (e, 3a) [N]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,8 +25,10 @@ class CellMesh:
     inside: (f, 4) or (f, 8) nodes of the brick faces under the inner pressure, in the order of
         QUAD4 or QUAD8; the product of the first natural axis with the second points out of the
         tyre's cavity, into the wall.
-    section: what was revolved; else the left faces of the bricks.
+    section: what was revolved; else the left faces of the bricks, which come first in `bricks`.
     sector_angle: [rad].
+    numbers: (n,) of the nodes in the file that the whole cell was read from; empty for a revolved
+        section.
     """
 
     points: FloatArray
@@ -38,6 +40,7 @@ class CellMesh:
     inside: IntArray
     section: SectionMesh
     sector_angle: float
+    numbers: IntArray = field(default_factory=lambda: np.empty(0, np.int64))
 
     @classmethod
     def over(
@@ -64,6 +67,11 @@ class CellMesh:
             section=section,
             sector_angle=sector_angle,
         )
+
+    @property
+    def is_revolved(self) -> bool:
+        """Whether the cell is a section revolved, and not as a file has it."""
+        return len(self.numbers) == 0
 
     @property
     def n_nodes(self) -> int:

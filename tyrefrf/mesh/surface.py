@@ -90,9 +90,13 @@ class Surface:
 
         Planes are numbered around the whole ring; only those that hold the node count.
         """
-        fractions = self.fractions()
-        node = min(fractions, key=lambda n: abs(fractions[n] - s))
+        node = self.nearest_node(s)
         return node, self.nearest_plane(node, angle)
+
+    def nearest_node(self, s: float) -> int:
+        """The section node on the surface that is nearest to an arc-length fraction."""
+        fractions = self.fractions()
+        return min(fractions, key=lambda n: abs(fractions[n] - s))
 
     def nearest_plane(self, node: int, angle: float) -> int:
         """The plane of the ring nearest to an angle [rad], of those that hold a section node."""

@@ -268,6 +268,8 @@ class _Finder:
     def _on_surface(self, point: OnSurface, angle: float) -> Placed:
         """An interpolated point, or a disc around it."""
         surface = self.surfaces[point.surface]
+        if not self.mesh.is_revolved:
+            raise MeshError(self._only_nodes(point))
         diameter = point.diameter if isinstance(point, OnPatch) else 0.0
         centre = surface.spots(np.array([point.s]), np.array([angle]))
         spots, share = surface.disc(point.s, angle, diameter) if diameter else (centre, np.ones(1))
@@ -287,6 +289,8 @@ class _Finder:
     def _at_node(self, point: AtNode, angle: float) -> Placed:
         """A node of the section by number or by place, in the nearest plane that has it."""
         mesh = self.mesh
+        if not mesh.is_revolved:
+            return self._at_own_node(point, angle)
         if point.node is None:
             assert point.s is not None  # the case saw to it
             node, plane = self.surfaces[point.surface].nearest(point.s, angle)
@@ -312,6 +316,43 @@ class _Finder:
         n = self.mesh.n_face
         known = f"0 to {n - 1}" if numbers is None else "a number from the file"
         raise MeshError(f"node {number} is not in the section, which has {n} nodes; give {known}")
+
+    def _at_own_node(self, point: AtNode, angle: float) -> Placed:
+        """A node of a cell from a file, by the file's number or by its place on the left section.
+
+        Of the cells that have it, the one where it is nearest to the angle.
+        """
+        mesh = self.mesh
+        if point.node is None:
+            assert point.s is not None  # the case saw to it
+            number = self.surfaces[point.surface].nearest_node(point.s)
+        else:
+            there = np.flatnonzero(mesh.numbers == point.node)
+            if not len(there):
+                raise MeshError(
+                    f"no brick has a node {point.node}; the cell's nodes are numbered from "
+                    f"{mesh.numbers.min()} to {mesh.numbers.max()}"
+                )
+            number = int(there[0])
+        if number >= mesh.n_own:  # the next cell's, at the same place in the ring
+            number -= mesh.n_own
+        r, y, theta = (float(x) for x in mesh.points[number])
+        turns = round((angle - theta) / mesh.sector_angle)
+        surface, s = self._surface_of(number)
+        there_angle = round(theta + turns * mesh.sector_angle, 12)  # the file has fewer digits
+        place = Place(point.name, "node", surface, s, r, y, there_angle, point.direction)
+        cell = turns % round(2.0 * np.pi / mesh.sector_angle)
+        return place, node_column(mesh, cell, number, point.direction)
+
+    def _only_nodes(self, point: OnSurface) -> str:
+        """Why a place between nodes is not taken on a cell from a file, and which node is near."""
+        mesh = self.mesh
+        node = mesh.numbers[self.surfaces[point.surface].nearest_node(point.s)]
+        return (
+            f"{point.name!r} is a place between nodes, where the surface of a cell from a file may "
+            f'have blocks and grooves; use kind = "node" with node = its number in the file (on '
+            f"the left section {node} is nearest to s = {point.s:.4g}) and an angle"
+        )
 
     def _surface_of(self, node: int) -> tuple[str, float]:
         """The surface that a section node lies on, and where along it; "" and NaN for neither."""

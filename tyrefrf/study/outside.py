@@ -7,11 +7,12 @@ from collections import Counter
 import numpy as np
 
 from tyrefrf.case import Case, CellFile, MeshFile, SectionFile, files_of
-from tyrefrf.errors import CaseError, MeshError, Problem
+from tyrefrf.errors import CaseError, Problem
 from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.mesh.cell import CellMesh, revolve
 from tyrefrf.mesh.outside import OutsideMesh
+from tyrefrf.mesh.outside_cell import outside_cell
 from tyrefrf.mesh.outside_section import outside_section
 from tyrefrf.mesh.reader import read_mesh
 
@@ -23,11 +24,15 @@ def mesh_of_file(case: Case) -> CellMesh:
     """
     source = _source(case)
     outside = _read(case)
+    sector_angle = 2.0 * np.pi / case.cell.n_cells
     if isinstance(source, CellFile):
-        raise MeshError("mesh.kind = 'cell' is not there yet")
+        cell = outside_cell(outside, source, sector_angle, _oriented(case))
+        _refuse_element(case, cell.bricks.shape[1], cell.bricks.shape[1])
+        return cell
     section = outside_section(outside, source, _oriented(case))
-    _refuse_element(case, section.quads.shape[1])
-    return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)
+    n_nodes = section.quads.shape[1]
+    _refuse_element(case, n_nodes, {4: 8, 8: 20}[n_nodes])
+    return revolve(section, sector_angle, case.cell.elements_around)
 
 
 def described(case: Case) -> tuple[str, ...]:
@@ -76,10 +81,10 @@ def _oriented(case: Case) -> list[str]:
     ]
 
 
-def _refuse_element(case: Case, n_nodes: int) -> None:
-    """Raise CaseError where the case's element has not the nodes of the file's."""
+def _refuse_element(case: Case, n_nodes: int, of_brick: int) -> None:
+    """Raise CaseError where the case's element has not the nodes that a brick of the file has."""
     name = case.cell.element
-    if ELEMENTS[name].n_nodes != {4: 8, 8: 20}[n_nodes]:
-        fit = [other for other, e in ELEMENTS.items() if e.n_nodes == {4: 8, 8: 20}[n_nodes]]
+    if ELEMENTS[name].n_nodes != of_brick:
+        fit = [other for other, e in ELEMENTS.items() if e.n_nodes == of_brick]
         message = f"{name} does not fit {_source(case).file}, which has elements of {n_nodes} nodes"
         raise CaseError([Problem(("cell", "element"), f"{message}; use {' or '.join(fit)}")])
