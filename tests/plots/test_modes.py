@@ -57,6 +57,19 @@ def test_the_lowest_shapes_are_drawn_over_the_section_at_rest(found):
         assert (np.max(moved.get_array()) > 0.01) == (around.max() > 0.01 * around_all(found))
 
 
+def test_shapes_of_nodes_alone_are_drawn_as_dots(found):
+    """As those of a cell that came as matrices."""
+    nothing = np.empty((0, 4), np.int64)
+    section = replace(found.section, quads=nothing, material=nothing[:, 0])
+    figure = shapes_figure(replace(found, section=section))
+    for axes in figure.axes[:12]:
+        at_rest, moved = (c for c in axes.collections if isinstance(c, PathCollection))
+        y, r = 1e3 * found.section.points[:, ::-1].T
+        np.testing.assert_allclose(np.asarray(at_rest.get_offsets()), np.stack([y, r], axis=1))
+        assert np.ptp(np.asarray(moved.get_offsets()) - np.stack([y, r], axis=1)) > 0.0
+        assert 0.0 <= np.max(moved.get_array()) <= 1.0
+
+
 def around_all(found: Modes) -> float:
     return float(np.linalg.norm(found.section_shape, axis=2).max())
 

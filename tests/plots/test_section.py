@@ -50,6 +50,32 @@ def test_elements_have_the_colour_of_their_material_in_the_legend(made):
     assert drawn == shown[: len(drawn)]
 
 
+def without_elements(section):
+    """The section of a cell that came as matrices."""
+    nothing = np.empty((0, 4), np.int64)
+    return replace(
+        section,
+        quads=nothing,
+        material=nothing[:, 0],
+        outer=nothing[:, :2],
+        inner=nothing[:, :2],
+    )
+
+
+def test_nodes_are_drawn_where_there_are_no_elements(made):
+    at_nodes = {
+        "loads": tuple(replace(load, surface="", diameter=0.0) for load in made.loads),
+        "probes": tuple(replace(probe, surface="") for probe in made.probes),
+    }
+    bare = replace(made, section=without_elements(made.section), **at_nodes)
+    figure = section_figure(bare)
+    (axes,) = figure.axes
+    (dots,) = [line for line in axes.lines if line.get_label() == "nodes of the section"]
+    np.testing.assert_allclose(dots.get_xydata(), 1e3 * made.section.points[:, ::-1])
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[:2] == ["nodes of the section", "rim"]
+
+
 def test_an_element_of_eight_nodes_is_drawn_along_its_edges(made):
     section = made.section
     ends = section.points[section.quads]

@@ -18,6 +18,7 @@ from tyrefrf.case.material import (
     Transverse,
     Viscoelastic,
 )
+from tyrefrf.case.matrices import Matrices, Part
 from tyrefrf.case.measured import Columns, Dof, MeasuredFile
 from tyrefrf.case.mesh import CellFile, MeshFile, Region, SectionFile
 from tyrefrf.case.model import Case, Damping, Output
@@ -63,6 +64,7 @@ __all__ = [
     "Isotropic",
     "Load",
     "Material",
+    "Matrices",
     "MeasuredFile",
     "MeshFile",
     "ModulusLaw",
@@ -73,6 +75,7 @@ __all__ = [
     "OnSurface",
     "Orthotropic",
     "Output",
+    "Part",
     "PatchLoad",
     "PatchProbe",
     "Ply",

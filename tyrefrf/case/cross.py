@@ -12,7 +12,7 @@ from tyrefrf.case.faults import Fault, did_you_mean, shown
 from tyrefrf.case.laid import name_at
 from tyrefrf.case.reach import reach_faults
 
-SOURCES = ("geometry", "mesh")
+SOURCES = ("geometry", "mesh", "matrices")
 """Tables that say what the tyre is; a case has one of them."""
 
 REGIONS = ("tread", "belt", "bead")
@@ -25,8 +25,12 @@ def cross_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
     yield from _material_faults(_regions(data), _table(data, "materials"))
     yield from _angle_faults(_table(data, "mesh"), _table(data, "materials"))
     yield from _around_faults(_table(data, "mesh"), _table(data, "cell"))
+    if data.get("matrices") is not None:
+        yield from _matrices_faults(data)
     deflections = _table(data, "output").get("deflections", ())
     yield from reach_faults(_table(data, "materials"), data.get("frequency"), deflections)
+    parts = _table(_table(data, "matrices"), "K")
+    yield from reach_faults(parts, data.get("frequency"), deflections, ("matrices", "K"))
     yield from _inflation_faults(_table(data, "inflation"), _table(data, "cell"))
     loads, probes = _entries(data, "loads"), _entries(data, "probes")
     hubs = [i for i, probe in probes.items() if probe.get("kind") == "hub"]
@@ -50,6 +54,31 @@ def _source_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
         yield Fault(SOURCES[:1], f"missing: the section of the tyre; give {tables}")
     for name in there[1:]:
         yield Fault((name,), f"not together with [{there[0]}]; give one of the two")
+    if "matrices" not in there and data.get("materials", {}) == {}:
+        found = "missing: materials by name, as [materials.rubber]"
+        if "materials" in data:
+            found = "is empty; must have at least 1"
+        yield Fault(("materials",), found)
+
+
+def _matrices_faults(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """What brought matrices hold already, or cannot be given any more."""
+    if _table(data, "materials"):
+        message = "not together with [matrices], which hold the stiffness and the mass"
+        yield Fault(("materials",), f"{message}; give losses as matrices.K.<part>.eta")
+    cell = _table(data, "cell")
+    for key, default in (("elements_around", 1), ("element", "hex8i")):
+        if cell.get(key, default) != default:
+            yield Fault(("cell", key), "not together with [matrices]: there are no elements")
+    if _table(data, "output").get("deflections"):
+        message = "not together with [matrices]: there are no elements to draw"
+        yield Fault(("output", "deflections"), message)
+    if _table(data, "inflation").get("pressure", 0.0) not in (0, 0.0):
+        message = "not together with [matrices]: there is no surface to press on"
+        yield Fault(
+            ("inflation", "pressure"),
+            f"{message}; bring the stiffness of the inflated tyre as matrices.K_G, or within K",
+        )
 
 
 def _material_faults(

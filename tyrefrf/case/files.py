@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from tyrefrf.case.matrices import Matrices
 from tyrefrf.case.model import Case
 from tyrefrf.errors import CaseError, Key, Problem
 
@@ -41,6 +42,11 @@ def files_of(case: Case) -> tuple[NamedFile, ...]:
     named: list[NamedFile] = []
     if case.mesh is not None:
         named += _with_included(NamedFile(("mesh", "file"), case.directory / case.mesh.file))
+    if case.matrices is not None:
+        named += [
+            NamedFile(("matrices", *key), case.directory / file)
+            for key, file in _of_matrices(case.matrices).items()
+        ]
     for i, measured in enumerate(case.measured):
         named.append(NamedFile(("measured", i, "file"), case.directory / measured.file))
     return tuple(named)
@@ -85,4 +91,14 @@ def _with_included(file: NamedFile) -> list[NamedFile]:
                 path = each.path.parent / name.decode(errors="replace")
                 if path not in (other.path for other in found):
                     found.append(NamedFile(file.key, path))
+    return found
+
+
+def _of_matrices(matrices: Matrices) -> dict[Key, str]:
+    """Files by their keys within [matrices]."""
+    found: dict[Key, str] = {("K", part, "file"): K.file for part, K in matrices.K.items()}
+    others = ("M", "C", "K_G", "dofs", "nodes")
+    found |= {(key,): file for key in others if (file := getattr(matrices, key))}
+    if not matrices.has_named_sets:
+        found |= {(key,): file for key, file in matrices.sets.items()}
     return found

@@ -20,6 +20,7 @@ from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.laid import laid_materials
 from tyrefrf.case.material import Material
+from tyrefrf.case.matrices import Matrices
 from tyrefrf.case.measured import MeasuredFile
 from tyrefrf.case.mesh import Mesh
 from tyrefrf.case.places import Load, Probe
@@ -82,13 +83,18 @@ class Case(Table):
         "", pattern=r"^[^\x00-\x1f\x7f]{0,200}$", description="title of the plots, one line"
     )
     geometry: Geometry | None = Field(
-        None, description="the section of the tyre; or a mesh from a file, as [mesh]"
+        None,
+        description="the section of the tyre; or a mesh from a file, as [mesh], or one cell's "
+        "matrices, as [matrices]",
     )
     mesh: Mesh | None = Field(
         None, description="the section of the tyre, or one cell, from a mesh file"
     )
+    matrices: Matrices | None = Field(
+        None, description="one cell as matrices from files, in place of geometry and materials"
+    )
     materials: dict[Name, Material] = Field(
-        min_length=1, description="materials by name, as [materials.rubber]"
+        {}, description="materials by name, as [materials.rubber]; none with [matrices]"
     )
     cell: Cell = Field(description="the angular cell that repeats around the axle")
     frequency: Frequency = Field(description="the frequency lines")

@@ -57,7 +57,8 @@ class AtNode(Point):
         None,
         ge=0,
         le=10**9,
-        description="number of the section's node: from 0, or as the [mesh] file numbers it",
+        description="number of the section's node, from 0; of a node of the cell as its file has "
+        "it with [mesh] and [matrices]",
     )
     surface: Surface = Field("outer", description=_SURFACE)
     s: ArcFraction | None = Field(None, description=_S)

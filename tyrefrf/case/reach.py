@@ -17,13 +17,19 @@ AnyTable = TypeVar("AnyTable", bound=Table)
 
 
 def reach_faults(
-    materials: dict[str, Any], frequency: object, deflections: object = ()
+    materials: dict[str, Any],
+    frequency: object,
+    deflections: object = (),
+    at: Key = ("materials",),
 ) -> Iterator[Fault]:
-    """Yield the tables of moduli that end short of a line or a deflection, from plain data."""
+    """Yield the tables of moduli that end short of a line or a deflection, from plain data.
+
+    materials: what has a `modulus`, by name; at: the key of their table.
+    """
     lines = _read(Frequency, frequency)
     if lines is None:
         return  # the table's own error says it
-    for key, data in _moduli(materials):
+    for key, data in _moduli(materials, at):
         modulus = _read(TabledModulus, data)
         if modulus is not None and not modulus.extrapolate:
             message = _short(modulus, lines.lines() + _hertz(deflections))
@@ -31,14 +37,14 @@ def reach_faults(
                 yield Fault((*key, "frequencies"), message)
 
 
-def _moduli(materials: dict[str, Any]) -> Iterator[tuple[Key, object]]:
+def _moduli(materials: dict[str, Any], at: Key) -> Iterator[tuple[Key, object]]:
     """Every `modulus` among the materials, and its place."""
     for name, material in materials.items():
         if isinstance(material, dict):
-            yield ("materials", name, "modulus"), material.get("modulus")
+            yield (*at, name, "modulus"), material.get("modulus")
             rubber = material.get("rubber")
             if isinstance(rubber, dict):
-                yield ("materials", name, "rubber", "modulus"), rubber.get("modulus")
+                yield (*at, name, "rubber", "modulus"), rubber.get("modulus")
 
 
 def _short(modulus: TabledModulus, lines: list[float]) -> str:

@@ -315,8 +315,9 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
     lines = [
         f"{case.title or case.name}: {case.name}",
         *(f"  mesh      {line}" for line in found.mesh_file),
-        f"  section   {found.section_nodes} nodes, {found.section_elements} {case.cell.element} "
-        f"elements, {found.free_section_dofs} dofs that move",
+        f"  section   {found.section_nodes} nodes, "
+        + (f"{found.section_elements} {case.cell.element} elements, " * (not found.matrices))
+        + f"{found.free_section_dofs} dofs that move",
         f"  cell      {found.cell_nodes} nodes, {found.cell_dofs} dofs, "
         f"{case.cell.sector_angle:g} degrees",
         f"  ring      {found.n_cells} cells, {found.ring_nodes} nodes, {found.ring_dofs} dofs",
@@ -326,6 +327,7 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
         + (", solved as far as a fit of the others needs" if case.frequency.adaptive else ""),
         f"  columns   {found.n_loads} loads, {found.n_probes} probes (driving points included)"
         + (f", {3 * found.n_sensors} loads for sensors" if found.n_sensors else ""),
+        *(f"  matrices  {fact}" for fact in found.matrices),
         *(
             f"  waves     {r.material} at {found.top_frequency:g} Hz: "
             f"shear {1e3 * r.shear:.3g} mm, bending {1e3 * r.bending:.3g} mm "

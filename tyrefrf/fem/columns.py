@@ -7,14 +7,14 @@ from scipy.sparse import csc_array, hstack
 
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.fem.frames import axes
-from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.place import Nodes
 from tyrefrf.mesh.surface import Spots
 
 NEGLIGIBLE = 1e-14  # of a column's largest weight: rounding of sines and cosines
 
 
 def surface_column(
-    mesh: CellMesh, spots: Spots, share: FloatArray, direction: str, angle: float
+    mesh: Nodes, spots: Spots, share: FloatArray, direction: str, angle: float
 ) -> csc_array:
     """A unit traction resultant on spots (m,) with shares (m,), or the mean motion of them.
 
@@ -28,14 +28,14 @@ def surface_column(
     return _column(mesh, nodes, weights)
 
 
-def node_column(mesh: CellMesh, cell: int, node: int, direction: str) -> csc_array:
+def node_column(mesh: Nodes, cell: int, node: int, direction: str) -> csc_array:
     """A unit force on, or the displacement of, one node (its number in the cell)."""
     weights = np.zeros((1, 3))
     weights[0, ("r", "y", "theta").index(direction)] = 1.0
     return _column(mesh, cell * mesh.n_own + np.array([node]), weights)
 
 
-def hub_columns(mesh: CellMesh) -> csc_array:
+def hub_columns(mesh: Nodes) -> csc_array:
     """Forces and moments on the rim, six columns in the order of `mesh.place.HUB`.
 
     Cartesian axes of the wheel, moments about its centre; they collect the forces that the tyre
@@ -54,12 +54,12 @@ def hub_columns(mesh: CellMesh) -> csc_array:
     return hstack([_column(mesh, ring_nodes, w) for w in force + moment], format="csc")
 
 
-def _n_cells(mesh: CellMesh) -> int:
+def _n_cells(mesh: Nodes) -> int:
     """Cells around the axle."""
     return round(2.0 * np.pi / mesh.sector_angle)
 
 
-def _column(mesh: CellMesh, ring_nodes: IntArray, weights: FloatArray) -> csc_array:
+def _column(mesh: Nodes, ring_nodes: IntArray, weights: FloatArray) -> csc_array:
     """One sparse column from ring nodes (...) and their (r, y, theta) weights (..., 3).
 
     A ring node is cell * n_own + node: the right section's nodes follow the own ones in a cell as

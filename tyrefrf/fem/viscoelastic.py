@@ -135,8 +135,13 @@ def modulus_of(stuff: Viscoelastic) -> Modulus:
     if stuff.modulus is None:
         assert stuff.E is not None  # the case's rules saw to it
         return Constant(stuff.E, stuff.eta)
-    law = _at_reference(stuff.modulus)
-    return Shifted(law, stuff.modulus.shift.factor) if stuff.modulus.shift else law
+    return modulus_by_law(stuff.modulus)
+
+
+def modulus_by_law(law: ModulusLaw) -> Modulus:
+    """A law of the case at the temperature of the tyre."""
+    modulus = _at_reference(law)
+    return Shifted(modulus, law.shift.factor) if law.shift else modulus
 
 
 def _at_reference(law: ModulusLaw) -> Modulus:

@@ -4,12 +4,43 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import degrees
+from typing import Protocol
+
+from tyrefrf.arrays import FloatArray, IntArray
 
 HUB = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 """The blocked hub's components, in Cartesian axes about the wheel's centre."""
 
 REGION = "region"
 """The kind of the points of a region; they are named "<region>.1", "<region>.2" and so on."""
+
+
+class Nodes(Protocol):
+    """What loads and probes need of a cell: its nodes, the left section's first.
+
+    points: (n, 3) r [m], y [m] and theta [rad]. rim: places of those that are held.
+    sector_angle: [rad]. n_own: nodes that the cell brings to the ring, all but the right section's.
+    """
+
+    @property
+    def points(self) -> FloatArray:
+        """See above."""
+        ...
+
+    @property
+    def rim(self) -> IntArray:
+        """See above."""
+        ...
+
+    @property
+    def sector_angle(self) -> float:
+        """See above."""
+        ...
+
+    @property
+    def n_own(self) -> int:
+        """See above."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import Collection, PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.mesh.section import SectionMesh
+from tyrefrf.plots.places import MM
 from tyrefrf.plots.section import element_polygons
 from tyrefrf.plots.style import TITLE_WIDTH, house_style, legend_below, plain
 from tyrefrf.results.modes import WORDS, Modes
@@ -108,15 +109,21 @@ def shapes_figure(modes: Modes) -> Figure:
     return figure
 
 
-def _draw_shape(axes: Axes, section: SectionMesh, shape: ComplexArray) -> PolyCollection:
-    """One mode (n, 3) over the section at rest; its elements, coloured by |u_theta|."""
+def _draw_shape(axes: Axes, section: SectionMesh, shape: ComplexArray) -> Collection:
+    """One mode (n, 3) over the section at rest; its elements, coloured by |u_theta|.
+
+    Or its nodes, where only those are known.
+    """
+    largest = np.linalg.norm(shape, axis=1).max() or 1.0
+    size = VISIBLE * np.ptp(section.points, axis=0).max() / largest
+    points = section.points + size * in_phase(shape[:, :2])
+    if not section.n_elements:
+        return _draw_nodes(axes, section.points, points, np.abs(shape[:, 2]) / largest)
     at_rest = element_polygons(section, section.points)
     axes.add_collection(
         PolyCollection(list(at_rest), facecolor="none", edgecolor="0.7", linewidth=0.4)
     )
-    largest = np.linalg.norm(shape, axis=1).max() or 1.0
-    size = VISIBLE * np.ptp(section.points, axis=0).max() / largest
-    moved = element_polygons(section, section.points + size * in_phase(shape[:, :2]))
+    moved = element_polygons(section, points)
     elements = PolyCollection(list(moved), cmap="YlGnBu", edgecolor="0.3", linewidth=0.3)
     elements.set_array(np.abs(shape[section.quads, 2]).mean(axis=1) / largest)
     elements.set_clim(0.0, 1.0)
@@ -124,6 +131,19 @@ def _draw_shape(axes: Axes, section: SectionMesh, shape: ComplexArray) -> PolyCo
     axes.set_aspect("equal")
     axes.autoscale_view()
     return elements
+
+
+def _draw_nodes(
+    axes: Axes, at_rest: FloatArray, moved: FloatArray, around: FloatArray
+) -> Collection:
+    """Nodes (n, 2) at rest and moved, these coloured by their motion around (n,)."""
+    y, r = MM * at_rest[:, ::-1].T
+    axes.scatter(y, r, s=2, color="0.7")
+    y, r = MM * moved[:, ::-1].T
+    nodes = axes.scatter(y, r, c=around, cmap="YlGnBu", s=8, edgecolor="0.3", linewidth=0.2)
+    nodes.set_clim(0.0, 1.0)
+    axes.set_aspect("equal")
+    return nodes
 
 
 def in_phase(u: ComplexArray) -> FloatArray:

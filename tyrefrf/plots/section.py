@@ -61,8 +61,11 @@ def _in_plot(points: FloatArray) -> FloatArray:
     return MM * points[..., ::-1]
 
 
-def _draw_elements(axes: Axes, section: SectionMesh) -> list[Patch]:
-    """Fill the elements by material; a legend's handles."""
+def _draw_elements(axes: Axes, section: SectionMesh) -> list[Patch] | list[Line2D]:
+    """Fill the elements by material; a legend's handles. Dots where only nodes are known."""
+    if not section.n_elements:
+        y, r = _in_plot(section.points).T
+        return axes.plot(y, r, "o", color="0.6", markersize=3, label="nodes of the section")
     outlines = element_polygons(section, section.points)
     handles = []
     for number, material in enumerate(section.materials):

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray, IntArray, frozen
-from tyrefrf.mesh.cell import CellMesh, faces_over
+from tyrefrf.mesh.brick_faces import BrickFaces
+from tyrefrf.mesh.cell import CellMesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,14 +42,15 @@ class RingMesh:
         cells = np.arange(n_cells)
         angle = (theta + cells[:, None] * mesh.sector_angle).ravel()
         r, y = np.tile(r, n_cells), np.tile(y, n_cells)
+        bricks = _around(mesh.bricks, mesh, n_cells)
         return cls(
             points=np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1),
             theta=angle,
-            bricks=_around(mesh.bricks, mesh, n_cells),
+            bricks=bricks,
             cell=np.repeat(cells, len(mesh.bricks)),
             material=np.tile(mesh.material, n_cells),
             materials=mesh.materials,
-            outer=_around(faces_over(mesh.planes, mesh.section.outer)[:, :4], mesh, n_cells),
+            outer=_outer(bricks, mesh, n_cells),
         )
 
     def cartesian(self, u: ComplexArray) -> ComplexArray:
@@ -56,6 +58,22 @@ class RingMesh:
         c, s = np.cos(self.theta), np.sin(self.theta)
         u_r, u_y, u_theta = u.T
         return np.stack([u_r * c - u_theta * s, u_y, u_r * s + u_theta * c], axis=1)
+
+
+def _outer(bricks: IntArray, mesh: CellMesh, n_cells: int) -> IntArray:
+    """Corners (f, 4) of the free faces of the ring's bricks, without those inside or on the rim."""
+    faces = BrickFaces.of(bricks, np.arange(len(bricks)), "ring")
+    free = faces.corners[faces.free]
+    inside = _around(mesh.inside[:, :4], mesh, n_cells)
+    _, first, count = np.unique(
+        np.sort(np.concatenate([free, inside]), axis=1),
+        axis=0,
+        return_index=True,
+        return_counts=True,
+    )
+    outside = free[np.sort(first[(count == 1) & (first < len(free))])]
+    rim = _around(mesh.rim[:, None], mesh, n_cells).ravel()
+    return outside[~np.isin(outside, rim).all(axis=1)]
 
 
 def _around(nodes: IntArray, mesh: CellMesh, n_cells: int) -> IntArray:

@@ -132,6 +132,9 @@ def refined_case(case: Case, model: Model) -> Case:
     if case.mesh is not None and case.mesh.kind == "cell":
         message = f"{case.mesh.file} is one cell of {case.cell.sector_angle:g} deg, as it is"
         raise CaseError([Problem(("mesh", "file"), message)])
+    if case.matrices is not None:
+        message = f"the matrices are of cells of {case.cell.sector_angle:g} deg, as they are"
+        raise CaseError([Problem(("matrices",), message)])
     data = {key: value for key, value in resolved(case).items() if key != "sweep"}
     data["cell"] = {**data["cell"], "sector_angle": case.cell.sector_angle / 2.0}
     data["loads"] = _kept(data["loads"], case.loads, model.loads)

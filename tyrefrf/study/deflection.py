@@ -10,7 +10,8 @@ import numpy as np
 
 from tyrefrf.arrays import ComplexArray
 from tyrefrf.case import Case, load_case, read_text
-from tyrefrf.errors import SolveError
+from tyrefrf.errors import CaseError, Problem, SolveError
+from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.mesh.place import Place
 from tyrefrf.results.deflection import Deflection
 from tyrefrf.results.names import file_names
@@ -55,6 +56,9 @@ def deflected(
     Lines are checked as any are: one without a trustworthy answer has its reason instead.
     Raises CaseError and MeshError as `build_model`, SolveError where none could be solved.
     """
+    if case.matrices is not None:
+        message = "have no elements to draw a deflection with; bring a mesh, as [mesh]"
+        raise CaseError([Problem(("matrices",), message)])
     model, _ = decided_model(build_model(case))
     solver = prepare(model.problem, model.case.solver)()
     gather = _Gather(model, case_text)
@@ -71,6 +75,7 @@ class _Gather:
     """Puts fields of the ring's dofs on the points of its mesh."""
 
     def __init__(self, model: Model, case_text: str) -> None:
+        assert isinstance(model.mesh, CellMesh)
         self.mesh = RingMesh.of(model.mesh, model.problem.n_cells)
         self.provenance = provenance_of(model.case, case_text, dict(sizes(model)))
         self.loads = model.loads

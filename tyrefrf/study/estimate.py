@@ -11,6 +11,7 @@ from tyrefrf.case import Case, Solver
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results import read_measured
 from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.memory import memory_needed
@@ -29,7 +30,8 @@ class Estimate:
     """Sizes of the model, how finely it is meshed, and what solving would take.
 
     mass: of the tyre [kg]; masses: by material. seconds: wall time. memory: of all processes
-    together [bytes]. mesh_file: what was read from the case's mesh file, if it has one.
+    together [bytes]. mesh_file: what was read from the case's mesh file, if it has one. matrices:
+    what was found of those that the case brings.
     """
 
     section_nodes: int
@@ -50,6 +52,7 @@ class Estimate:
     resolution: tuple[Resolution, ...]
     mesh_file: tuple[str, ...]
     warnings: tuple[str, ...]
+    matrices: tuple[str, ...]
     solver: str
     seconds: float
     memory: float
@@ -65,8 +68,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
     mesh, problem = model.mesh, model.problem
     solver = decided(case, problem)[0].solver
     lines = case.frequency.lines()
-    laws = {name: constitutive(case.laid_materials[name]) for name in mesh.materials}
-    resolution = resolutions(mesh, laws, lines[-1])
+    look = _elements(case, model, lines[-1])
     return Estimate(
         section_nodes=mesh.n_face,
         section_elements=mesh.section.n_elements,
@@ -76,19 +78,46 @@ def estimate(case: Case, jobs: int) -> Estimate:
         ring_nodes=mesh.n_own * problem.n_cells,
         ring_dofs=problem.n_ring_dofs,
         free_section_dofs=section_dofs(problem),
-        mass=tyre_mass(problem),
-        masses=_masses(case, mesh, laws),
+        mass=look.mass,
+        masses=look.masses,
         n_lines=len(lines),
         top_frequency=lines[-1],
         n_loads=len(model.loads),
         n_probes=len(model.probes),
         n_sensors=len(problem.sensors.mass) if problem.sensors else 0,
-        resolution=resolution,
+        resolution=look.resolution,
         mesh_file=described(case) if case.mesh is not None else (),
-        warnings=(*_coarse(case, resolution), *_small_discs(model)),
+        warnings=look.warnings,
+        matrices=model.brought.facts if model.brought is not None else (),
         solver=solver.name,
         seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,
         memory=_memory(solver, problem, jobs),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """What there is to say of the elements, or of matrices in their place."""
+
+    mass: float
+    masses: dict[str, float]
+    resolution: tuple[Resolution, ...]
+    warnings: tuple[str, ...]
+
+
+def _elements(case: Case, model: Model, top: float) -> _Look:
+    """How finely the elements resolve waves at the top frequency [Hz], and what they weigh."""
+    mesh = model.mesh
+    if isinstance(mesh, NodeCell):
+        assert model.brought is not None
+        return _Look(model.brought.soundness.mass[1], {}, (), model.brought.warnings)
+    laws = {name: constitutive(case.laid_materials[name]) for name in mesh.materials}
+    resolution = resolutions(mesh, laws, top)
+    return _Look(
+        mass=tyre_mass(model.problem),
+        masses=_masses(case, mesh, laws),
+        resolution=resolution,
+        warnings=(*_coarse(case, resolution), *_small_discs(model, mesh)),
     )
 
 
@@ -126,9 +155,9 @@ def _coarse(case: Case, resolution: tuple[Resolution, ...]) -> list[str]:
     ]
 
 
-def _small_discs(model: Model) -> list[str]:
+def _small_discs(model: Model, mesh: CellMesh) -> list[str]:
     """A warning for every patch that is smaller than the elements under it."""
-    size = float(element_sizes(model.mesh).max())
+    size = float(element_sizes(mesh).max())
     return [
         f"{place.name}: elements of up to {1e3 * size:.3g} mm are larger than the disc of "
         f"{1e3 * place.diameter:.3g} mm; its local compliance is the mesh's, not the tyre's"

@@ -26,10 +26,12 @@ from tyrefrf.fem.columns import hub_columns, node_column, surface_column
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.inflation import Inflation
 from tyrefrf.mesh.cell import CellMesh, revolve
-from tyrefrf.mesh.place import REGION, Place
+from tyrefrf.mesh.node_cell import NodeCell
+from tyrefrf.mesh.place import REGION, Nodes, Place
 from tyrefrf.mesh.profile import tyre_section
 from tyrefrf.mesh.surface import Spots, Surface
 from tyrefrf.solvers import RingProblem, Sensors
+from tyrefrf.study.brought import BroughtCell, NodeFinder, bring_matrices
 from tyrefrf.study.inflate import elasticity_key, inflate
 from tyrefrf.study.outside import mesh_of_file
 
@@ -44,15 +46,17 @@ class Model:
     load, "<load>.drive". The problem's probes are theirs, then six of the hub if `hub`; its last
     loads and probes are the places of the sensors, in three directions each.
     inflation: the state about which the problem vibrates; None without pressure.
+    brought: the matrices that the case brings; None where they are assembled.
     """
 
     case: Case
-    mesh: CellMesh
+    mesh: CellMesh | NodeCell
     problem: RingProblem
     loads: tuple[Place, ...]
     probes: tuple[Place, ...]
     hub: bool
     inflation: Inflation | None
+    brought: BroughtCell | None = None
 
 
 def build_model(case: Case) -> Model:
@@ -78,12 +82,13 @@ class Workshop:
         Raises CaseError and MeshError as `build_model`.
         """
         files = file_digests(case)  # results will need them all: better now than after hours
-        tables = {"geometry", "mesh", "cell", "loads", "probes", "sensors"}
-        key = "".join([case.model_dump_json(include=tables), *map(str, files)])
+        tables = {"geometry", "mesh", "matrices", "cell", "loads", "probes", "sensors"}
+        losses = {"matrices": {"K": {"__all__": {"eta", "modulus"}}}}
+        key = case.model_dump_json(include=tables, exclude=losses) + str(files)
         if key not in self._outlines:
             self._outlines[key] = Outline.of(case)
         outline = self._outlines[key]
-        cell = outline.assembly.cell(case.laid_materials, case.damping)
+        cell = outline.cell(case)
         inflation = self._inflation(key, case, outline.mesh, cell)
         if inflation is not None:
             follows = case.inflation.pressure_stiffness
@@ -96,15 +101,23 @@ class Workshop:
             sensors=outline.sensors,
         )
         return Model(
-            case, outline.mesh, problem, outline.loads, outline.probes, outline.hub, inflation
+            case,
+            outline.mesh,
+            problem,
+            outline.loads,
+            outline.probes,
+            outline.hub,
+            inflation,
+            outline.brought,
         )
 
     def _inflation(
-        self, outline: str, case: Case, mesh: CellMesh, cell: CellMatrices
+        self, outline: str, case: Case, mesh: CellMesh | NodeCell, cell: CellMatrices
     ) -> Inflation | None:
         """The case's inflation; it depends on nothing of the materials but their elasticity."""
         if case.inflation.pressure == 0.0:
             return None
+        assert isinstance(mesh, CellMesh)  # the case's rules saw to it
         materials = case.laid_materials
         elasticities = (elasticity_key(materials[name]) for name in mesh.materials)
         key = (outline, case.inflation.model_dump_json(), *elasticities)
@@ -120,8 +133,9 @@ class Outline:
     load_columns, probe_columns: over the ring's dofs; the rest as in `Model`.
     """
 
-    mesh: CellMesh
-    assembly: CellAssembly
+    mesh: CellMesh | NodeCell
+    assembly: CellAssembly | None
+    brought: BroughtCell | None
     loads: tuple[Place, ...]
     probes: tuple[Place, ...]
     hub: bool
@@ -131,15 +145,21 @@ class Outline:
 
     @classmethod
     def of(cls, case: Case) -> Outline:
-        """From a case's geometry or mesh file, cell, loads and probes."""
-        mesh = build_mesh(case)
+        """From a case's geometry, mesh file or matrices, cell, loads and probes."""
+        brought = bring_matrices(case) if case.matrices is not None else None
+        mesh = build_mesh(case) if brought is None else brought.matrices.nodes
         loads, probes = _place_all(mesh, case)
         hub = any(isinstance(probe, HubProbe) for probe in case.probes)
         sensors, sensed = _sensors(mesh, case)
         responses = [_displacement(mesh, column) for _, column in loads + probes]
         return cls(
             mesh=mesh,
-            assembly=CellAssembly(mesh, ELEMENTS[case.cell.element]),
+            assembly=(
+                CellAssembly(mesh, ELEMENTS[case.cell.element])
+                if isinstance(mesh, CellMesh)
+                else None
+            ),
+            brought=brought,
             loads=tuple(place for place, _ in loads),
             probes=tuple(_driving_point(place) for place, _ in loads)
             + tuple(place for place, _ in probes),
@@ -154,6 +174,14 @@ class Outline:
             sensors=sensors,
         )
 
+    def cell(self, case: Case) -> CellMatrices:
+        """The matrices for the materials, or the losses, of a case of this outline."""
+        if self.brought is not None:
+            assert case.matrices is not None
+            return self.brought.matrices.cell(case.matrices.K, case.damping)
+        assert self.assembly is not None
+        return self.assembly.cell(case.laid_materials, case.damping)
+
 
 def build_mesh(case: Case) -> CellMesh:
     """Mesh one cell of a case, or read it.
@@ -162,15 +190,15 @@ def build_mesh(case: Case) -> CellMesh:
     """
     if case.mesh is not None:
         return mesh_of_file(case)
-    assert case.geometry is not None  # the case saw to it that there is one of the two
+    assert case.geometry is not None  # the case saw to it that there is one of them
     quadratic = ELEMENTS[case.cell.element].n_nodes == 20
     section = tyre_section(case.geometry, quadratic)
     return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)
 
 
-def _place_all(mesh: CellMesh, case: Case) -> tuple[list[Placed], list[Placed]]:
+def _place_all(mesh: CellMesh | NodeCell, case: Case) -> tuple[list[Placed], list[Placed]]:
     """Loads and probes (the hub left out) on a mesh; one CaseError with all that are not on it."""
-    finder = _Finder(mesh)
+    finder = _finder(mesh)
     placed: dict[str, list[Placed]] = {"loads": [], "probes": []}
     problems = []
     for table, points in (("loads", case.loads), ("probes", case.probes)):
@@ -187,7 +215,7 @@ def _place_all(mesh: CellMesh, case: Case) -> tuple[list[Placed], list[Placed]]:
     return placed["loads"], placed["probes"]
 
 
-def _sensors(mesh: CellMesh, case: Case) -> tuple[Sensors | None, list[csc_array]]:
+def _sensors(mesh: CellMesh | NodeCell, case: Case) -> tuple[Sensors | None, list[csc_array]]:
     """The sensors of a case, and the columns of their places in three directions each."""
     probes = [
         point
@@ -198,7 +226,7 @@ def _sensors(mesh: CellMesh, case: Case) -> tuple[Sensors | None, list[csc_array
     sensed = [(k, probe) for k, probe in enumerate(probes) if probe.sensor_mass is not None]
     if not sensed:
         return None, []
-    finder = _Finder(mesh)
+    finder = _finder(mesh)
     sensors = Sensors(
         mass=np.array([probe.sensor_mass for _, probe in sensed]),
         probe=np.array([len(case.loads) + k for k, _ in sensed]),
@@ -207,11 +235,15 @@ def _sensors(mesh: CellMesh, case: Case) -> tuple[Sensors | None, list[csc_array
     return sensors, [column for _, probe in sensed for column in finder.all_directions(probe)]
 
 
-def _displacement(mesh: CellMesh, column: csc_array) -> csc_array:
+def _displacement(mesh: Nodes, column: csc_array) -> csc_array:
     """A column without its weights on the rim, where nothing moves and probes take forces."""
     moves = ~np.isin(column.indices // 3 % mesh.n_own, mesh.rim)
     indptr = np.array([0, moves.sum()])
     return csc_array((column.data[moves], column.indices[moves], indptr), shape=column.shape)
+
+
+def _finder(mesh: CellMesh | NodeCell) -> _Finder | NodeFinder:
+    return NodeFinder(mesh) if isinstance(mesh, NodeCell) else _Finder(mesh)
 
 
 class _Finder:
@@ -226,6 +258,8 @@ class _Finder:
         if not isinstance(point, RegionProbe):
             return [self.find(point)]
         points = list(point.points())
+        if not self.mesh.is_revolved:
+            raise MeshError(self._only_nodes(points[0]))
         s, degrees = np.array([(one.s, one.angle) for one in points]).T
         spots = self.surfaces[point.surface].spots(s, np.deg2rad(degrees))
         return [self._in_region(one, spots.one(k)) for k, one in enumerate(points)]

@@ -13,6 +13,7 @@ from tyrefrf.case import Case, Ply, load_case, read_text
 from tyrefrf.errors import SolveError
 from tyrefrf.fem.assembly import CellMatrices
 from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results.modes import Modes
 from tyrefrf.solvers.modal_loss import modal_loss
 from tyrefrf.solvers.modes import OrderModes, Pencils, cutoff_for, lowest, modes_below
@@ -67,7 +68,8 @@ def modes_of_case(
         resting = case.inflation.model_copy(update={"pressure": 0.0})
         case = case.model_copy(update={"inflation": resting})
     model = build_model(case)
-    if at is None and not any(_relaxes(stuff) for stuff in case.materials.values()):
+    parts = case.matrices.K.values() if case.matrices is not None else case.materials.values()
+    if at is None and not any(map(_relaxes, parts)):
         at = 0.0
     omega, top = (None if hertz is None else 2.0 * np.pi * hertz for hertz in (at, below))
     wanted = None if top is not None else count or COUNT
@@ -192,7 +194,9 @@ def _motion(pencils: Pencils, free: BoolArray, modes: OrderModes) -> FloatArray:
     return np.stack([energy[direction == i].sum(axis=0) for i in range(3)], axis=1)
 
 
-def nodal_diameters(mesh: CellMesh, n_cells: int, order: int, shapes: ComplexArray) -> IntArray:
+def nodal_diameters(
+    mesh: CellMesh | NodeCell, n_cells: int, order: int, shapes: ComplexArray
+) -> IntArray:
     """Which of n = |order + k N| each shape (m, n_own, 3) within the cell comes closest to: (m,).
 
     By the discrete Fourier transform over the cell's equally spaced planes, on the section nodes
