@@ -15,6 +15,7 @@ from tyrefrf.case import (
     parse_case,
     starter_text,
 )
+from tyrefrf.case.geometry import Grooves
 
 
 @pytest.fixture(params=["starter", "shipped"])
@@ -72,6 +73,13 @@ def test_a_short_layered_case_is_the_papers(shipped):
         bead=Bead(material="steel"),
     )
     assert case.geometry == short
+
+
+def test_the_treaded_case_has_a_pitch_to_a_cell(shipped):
+    case = load_case(shipped / "treaded.toml")
+    assert case.geometry.tread.grooves == Grooves(width=0.006, depth=0.0065, rib=0.020)
+    assert case.cell.n_cells == 60
+    assert case.sweep == {"depth": ("2 mm", "4 mm", "6.5 mm")}
 
 
 def test_every_case_names_the_schema_on_its_first_line(shipped):

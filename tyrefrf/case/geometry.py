@@ -11,13 +11,13 @@ Ours, as the paper's figure is lost: everything but the outer and the inner radi
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
 from tyrefrf.case.faults import Fault, refusal
 from tyrefrf.case.table import Name, Table
-from tyrefrf.case.units import LENGTH, Quantity
+from tyrefrf.case.units import ANGLE, LENGTH, Quantity
 
 Length = Annotated[float, Quantity(LENGTH, gt=0, le=100)]
 
@@ -36,6 +36,37 @@ def _even(count: int) -> int:
         message = f"{count} is odd; must be even, for a node at mid-tread; nearest: {count + 1}"
         raise refusal(Fault((), message))
     return count
+
+
+class Grooves(Table):
+    """Transverse grooves across the tread: what is left between them are the blocks.
+
+    Their walls are planes through the axle, a width apart at mid-tread. In the middle of the cell,
+    or of its equal parts where there are several; angle 0 then is the middle of a block.
+    """
+
+    width: Length = Field(description="width around the tyre, at outer_radius [m]")
+    depth: Length = Field(
+        description="depth at mid-tread, at most the tread's thickness; elsewhere the same share "
+        "of the tread [m]"
+    )
+    number: int = Field(1, ge=1, le=100, description="grooves in one cell, evenly spaced")
+    offset: Annotated[float, Quantity(ANGLE, ge=-360, le=360)] = Field(
+        0.0, description="angle of the grooves from those places in the cell [deg]"
+    )
+    rib: Annotated[float, Quantity(LENGTH, ge=0, le=100)] = Field(
+        0.0, description="width of the rib along mid-tread that they leave whole [m]"
+    )
+    sides: Literal["both", "y<0", "y>0"] = Field(
+        "both", description="sides of the tread that have grooves: both, y<0 or y>0"
+    )
+    elements_across: int | None = Field(
+        None,
+        ge=1,
+        le=100,
+        description="elements across the width of a groove, of the cell's elements_around "
+        "(default: those that make them about as long as the blocks', an even rest for these)",
+    )
 
 
 class Tread(Table):
@@ -62,6 +93,18 @@ class Tread(Table):
     elements_through: int = Field(
         2, ge=1, le=50, description="elements through the tread, beside those through the body"
     )
+    grooves: Grooves | None = Field(None, description="transverse grooves in the tread")
+
+    def _faults(self) -> Iterator[Fault]:
+        if self.grooves is None:
+            return
+        depth, most = self.grooves.depth, f"thickness = {self.thickness:.6g} m"
+        if depth > self.thickness:
+            message = f"{depth:.6g} m is deeper than the tread; must be at most {most}"
+            yield Fault(("grooves", "depth"), message)
+        elif depth < self.thickness and self.elements_through == 1:
+            message = "1 leaves no element under the grooves; must be at least 2, or grooves.depth"
+            yield Fault(("elements_through",), f"{message} the whole {most}")
 
 
 class Belt(Table):
@@ -182,6 +225,9 @@ class Geometry(Table):
                     f"must be at least {layer.elements_through + 1}, one more than "
                     f"{name}.elements_through",
                 )
+        if self.tread is not None and self.tread.grooves is not None:
+            rib = ("tread", "grooves", "rib")
+            yield from _below(rib, self.tread.grooves.rib, "tread_width", self.tread_width)
         if self.tread is not None and self.tread.elements_along is not None:
             most = self.elements_along - (2 if self.bead is None else 4)
             if self.tread.elements_along > most:

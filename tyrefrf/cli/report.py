@@ -246,10 +246,12 @@ def _certificate_lines(facts: dict[str, Any]) -> list[str]:
         for pair in found["level_change"]
         if pair["median"] is not None
     ]
+    finer = f"{found['refined_cells']} cells instead of {facts['cells']}"
+    if found["refined_cells"] == facts["cells"]:
+        finer = "twice the elements around in every cell"
     return [
         again,
-        f"  refined   {found['refined_cells']} cells instead of {facts['cells']}, on "
-        f"{found['refined_lines']} lines: levels change by "
+        f"  refined   {finer}, on {found['refined_lines']} lines: levels change by "
         f"{_decibels(found['median_level_change'])} (median), "
         f"{_decibels(found['largest_level_change'])} at most",
         *(f"            {pair}" for pair in first_of(pairs)),
@@ -321,6 +323,7 @@ def describe_estimate(case: Case, found: Estimate, jobs: int) -> str:
         f"  cell      {found.cell_nodes} nodes, {found.cell_dofs} dofs, "
         f"{case.cell.sector_angle:g} degrees",
         f"  ring      {found.n_cells} cells, {found.ring_nodes} nodes, {found.ring_dofs} dofs",
+        *([f"  tread     {found.grooves}"] if found.grooves else []),
         f"  mass      {found.mass:.2f} kg"
         + (f": {_shares(found.masses)}" if len(found.masses) > 1 else ""),
         f"  lines     {found.n_lines}, up to {found.top_frequency:g} Hz"

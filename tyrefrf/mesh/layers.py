@@ -30,8 +30,9 @@ class Borders:
     """Where regions end in the half at y <= 0: arc lengths [m] and elements, from the rim.
 
     places: of all borders from the rim (0) to the crown; counts: elements before each of them.
-    core: top of the bead's core; foot: of the tread; belt: its edge. Without such a region they
-    are at the rim or at the crown, with no elements between.
+    core: top of the bead's core; foot: of the tread; belt: its edge; rib: edge of the rib that
+    grooves leave. Without such a region they are at the rim or at the crown, with no elements
+    between.
     """
 
     places: tuple[float, ...]
@@ -39,6 +40,7 @@ class Borders:
     core: float
     foot: float
     belt: float
+    rib: float
 
     @property
     def n_columns(self) -> int:
@@ -60,10 +62,11 @@ def find_borders(geometry: Geometry, line: CentreLine) -> Borders:
     belt = _belt_edge(geometry, line, foot)
     _refuse_thick_layers(geometry, line, core, belt)
 
-    places = sorted([0.0, core, foot, belt, line.length])
+    rib = _rib_edge(geometry, line, foot)
+    places = sorted([0.0, core, foot, belt, rib, line.length])
     tolerance = SAME_PLACE * line.length
     apart = [0.0, *(b for a, b in pairwise(places) if b - a > tolerance)]
-    return Borders(tuple(apart), _counts(geometry, apart, foot), core, foot, belt)
+    return Borders(tuple(apart), _counts(geometry, apart, foot), core, foot, belt, rib)
 
 
 def _foot(geometry: Geometry, line: CentreLine) -> float:
@@ -97,6 +100,19 @@ def _belt_edge(geometry: Geometry, line: CentreLine, foot: float) -> float:
             f"of {what}",
         )
     return line.length - geometry.belt.width / 2.0
+
+
+def _rib_edge(geometry: Geometry, line: CentreLine, foot: float) -> float:
+    """Arc length at which grooves end beside the rib at mid-tread; the crown's without a rib.
+
+    As stations share the foot out, they share out the angle of the crown's circle.
+    """
+    grooves = geometry.tread.grooves if geometry.tread else None
+    if grooves is None:
+        return line.length
+    R = geometry.crown_radius
+    share = np.arcsin(grooves.rib / 2.0 / R) / np.arcsin(geometry.tread_width / 2.0 / R)
+    return line.length - float(share) * (line.length - foot)
 
 
 def _refuse_thick_layers(geometry: Geometry, line: CentreLine, core: float, belt: float) -> None:
@@ -133,9 +149,10 @@ def _counts(geometry: Geometry, places: list[float], foot: float) -> tuple[int, 
     if given is None:
         counts = _shares(n, lengths)
     elif given // 2 < len(lengths) - below:
+        rib = "a rib, or " if geometry.tread and geometry.tread.grooves else ""
         raise _misfit(
             ("tread", "elements_along"),
-            f"{given} is too few for a belt narrower than the tread's foot; "
+            f"{given} is too few for {rib}a belt narrower than the tread's foot; "
             f"must be at least {2 * (len(lengths) - below)}",
         )
     else:

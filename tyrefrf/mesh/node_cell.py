@@ -52,6 +52,16 @@ class NodeCell:
         return np.arange(self.n_face) + np.array([[0], [self.n_own]])
 
     @property
+    def plane_angles(self) -> FloatArray:
+        """(2,) angles [rad] of the first of their nodes."""
+        return self.points[self.planes[:, 0], 2]
+
+    @property
+    def left(self) -> SectionMesh:
+        """The left section, as a mesh of bricks calls it."""
+        return self.section
+
+    @property
     def section(self) -> SectionMesh:
         """The left section: points without elements or surfaces."""
         nothing = np.empty((0, 2), np.int64)

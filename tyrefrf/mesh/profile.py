@@ -15,6 +15,7 @@ from tyrefrf.arrays import FloatArray
 from tyrefrf.errors import MeshError
 from tyrefrf.mesh.centre_line import centre_line
 from tyrefrf.mesh.grid import grid_section
+from tyrefrf.mesh.grooves import tread_shares
 from tyrefrf.mesh.layers import element_materials, find_borders, row_offsets, station_places
 from tyrefrf.mesh.section import SectionMesh
 from tyrefrf.mesh.shapes import folded
@@ -40,7 +41,7 @@ def tyre_section(geometry: Geometry, quadratic: bool) -> SectionMesh:
     half = centre[:, None] + (thickness[:, None] * offset)[..., None] * normal[:, None]
     if geometry.tread is not None:
         top = _tread_surface(geometry, (line.length - s) / (line.length - borders.foot))
-        half = np.hstack([half, _ruled(half[:, -1], top, step * geometry.tread.elements_through)])
+        half = np.hstack([half, _ruled(half[:, -1], top, tread_shares(geometry.tread, step))])
 
     rows, material, materials = element_materials(geometry, borders)
     section = grid_section(
@@ -66,9 +67,8 @@ def _tread_surface(geometry: Geometry, share: FloatArray) -> FloatArray:
     return np.stack([geometry.outer_radius - R * (1.0 - np.cos(phi)), -R * np.sin(phi)], axis=1)
 
 
-def _ruled(inside: FloatArray, outside: FloatArray, n: int) -> FloatArray:
-    """Nodes (stations, n, 2) on the straight lines from `inside`, without it, to `outside`."""
-    x = (np.arange(n) + 1.0) / n
+def _ruled(inside: FloatArray, outside: FloatArray, x: FloatArray) -> FloatArray:
+    """Nodes (stations, n, 2) at shares x (n,) of the straight lines from `inside` to `outside`."""
     return (1.0 - x[:, None]) * inside[:, None] + x[:, None] * outside[:, None]
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from tyrefrf.arrays import FloatArray, IntArray
+import numpy as np
+
+from tyrefrf.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,3 +43,44 @@ class SectionMesh:
     def n_elements(self) -> int:
         """How many quadrilaterals the section has."""
         return len(self.quads)
+
+    def without(self, cut: BoolArray) -> SectionMesh:
+        """The section without some of its elements (e,), none of them on its inner surface.
+
+        Nodes keep their order; the outer surface is what is now outermost.
+        """
+        used = np.zeros(self.n_nodes, dtype=bool)
+        used[self.quads[~cut]] = True
+        number = np.cumsum(used) - 1
+        quads = number[self.quads[~cut]]
+        return replace(
+            self,
+            points=self.points[used],
+            quads=quads,
+            material=self.material[~cut],
+            rim=number[self.rim],
+            outer=_outline(quads, *number[self.outer[[0, -1], [0, 1]]].tolist()),
+            inner=number[self.inner],
+        )
+
+
+def _outline(quads: IntArray, first: int, last: int) -> IntArray:
+    """Edges (k, 2) or (k, 3) of the boundary from one of its nodes to another, counter-clockwise.
+
+    An edge is on the boundary where no other element has it the other way round.
+    """
+    corners = quads[:, :4]
+    edges = [
+        corners,
+        np.roll(corners, -1, axis=1),
+        *([quads[:, 4:]] if quads.shape[1] == 8 else []),
+    ]
+    of = {
+        (edge[0], edge[1]): edge
+        for edge in np.stack(edges, axis=2).reshape(-1, len(edges)).tolist()
+    }
+    after = {a: edge for (a, b), edge in of.items() if (b, a) not in of}
+    outline = [after.pop(first)]
+    while outline[-1][1] != last:
+        outline.append(after.pop(outline[-1][1]))
+    return np.array(outline)

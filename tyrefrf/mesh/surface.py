@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from tyrefrf.arrays import FloatArray, IntArray
+from tyrefrf.arrays import BoolArray, FloatArray, IntArray
 from tyrefrf.errors import MeshError
 from tyrefrf.mesh.cell import CellMesh, face_nodes
 from tyrefrf.mesh.shapes import LINE2, LINE3, QUAD4, QUAD8, shape
@@ -36,7 +36,7 @@ class Spots:
 
 
 class Surface:
-    """The outer or the inner surface of a revolved tyre.
+    """The outer or the inner surface of a revolved tyre, blocks and not the floors of grooves.
 
     A place is a fraction s of the section's arc length, 0 at the rim with y < 0 and 1 at the rim
     with y > 0, and an angle around the axle.
@@ -50,11 +50,19 @@ class Surface:
         lengths = self._arc(np.arange(len(self.edges)), np.ones(len(self.edges)))
         self.length = float(lengths.sum())
         self._knots = np.concatenate([[0.0], np.cumsum(lengths) / self.length])
+        self._planes = mesh.plane_angles[:: len(self._line) - 1]  # between layers of bricks
+        self._there = self._bricks_under()
 
     def spots(self, s: FloatArray, angle: FloatArray) -> Spots:
-        """The places at arc-length fractions s (m,) in [0, 1] and angles (m,) [rad]."""
+        """The places at arc-length fractions s (m,) in [0, 1] and angles (m,) [rad].
+
+        Raises MeshError where one lies over a groove, with the nearest angle for all at which none
+        does.
+        """
         edge, xi = self._on_line(s)
-        cell, layer, phi = self._in_layer(angle)
+        cell, layer, phi = self._beside_walls(edge, *self._in_layer(angle))
+        if not self._there[edge, layer].all():
+            raise MeshError(self._over_groove(edge, np.asarray(angle)))
         nodes = face_nodes(self.mesh.planes, self.edges[edge], layer)
         zeta = self._around(nodes, xi, phi)
         quad = QUAD8 if len(self._line) == 3 else QUAD4
@@ -100,12 +108,12 @@ class Surface:
 
     def nearest_plane(self, node: int, angle: float) -> int:
         """The plane of the ring nearest to an angle [rad], of those that hold a section node."""
+        alpha, theta = self.mesh.sector_angle, self.mesh.plane_angles[:-1]
         planes = np.flatnonzero(self.mesh.planes[:-1, node] >= 0)
-        per_cell = len(self.mesh.planes) - 1
-        cell, rest = divmod(angle, self.mesh.sector_angle)
-        theta = np.append(planes, per_cell) * self.mesh.sector_angle / per_cell
-        k = int(np.argmin(np.abs(theta - rest)))
-        return int(cell) * per_cell + int(np.append(planes, per_cell)[k])
+        cell, rest = divmod(angle, alpha)
+        there = (alpha * np.arange(-1, 2)[:, None] + theta[planes]).ravel()
+        turn, k = divmod(int(np.argmin(np.abs(there - rest))), len(planes))
+        return (int(cell) + turn - 1) * len(theta) + int(planes[k])
 
     def fractions(self) -> dict[int, float]:
         """Arc-length fraction s of every section node on the surface."""
@@ -137,16 +145,58 @@ class Surface:
 
     def _in_layer(self, angle: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
         """Cell, layer of bricks in it, and angle from the cell's left section [rad]."""
-        alpha = self.mesh.sector_angle
+        alpha, low = self.mesh.sector_angle, self._planes
+        n_layers = len(low) - 1
+        cell = np.floor(np.asarray(angle) / alpha).astype(np.int64)
+        rest = np.asarray(angle) - cell * alpha
+        layer = np.clip(np.searchsorted(low, rest, side="right") - 1, 0, n_layers - 1)
+        share = (rest - low[layer]) / np.diff(low)[layer]
+        nearest = np.round(share)
+        layer = np.where(abs(share - nearest) < ON_PLANE, layer + nearest.astype(np.int64), layer)
+        phi = np.where(abs(share - nearest) < ON_PLANE, low[layer], rest)
+        over = layer == n_layers
         n_cells = round(2.0 * np.pi / alpha)
-        n_layers = (len(self.mesh.planes) - 1) // (2 if len(self._line) == 3 else 1)
-        position = np.asarray(angle) / alpha * n_layers
-        position = np.where(
-            abs(position - np.round(position)) < ON_PLANE, np.round(position), position
-        )
-        whole = np.floor(position).astype(np.int64)
-        cell = whole // n_layers
-        return cell % n_cells, whole % n_layers, (position - cell * n_layers) * alpha / n_layers
+        return (cell + over) % n_cells, np.where(over, 0, layer), np.where(over, 0.0, phi)
+
+    def _beside_walls(
+        self, edge: IntArray, cell: IntArray, layer: IntArray, phi: FloatArray
+    ) -> tuple[IntArray, IntArray, FloatArray]:
+        """What `_in_layer` found, but the layer before for places where a groove just begins."""
+        n_layers = len(self._planes) - 1
+        ends = ~self._there[edge, layer] & (phi == self._planes[layer])
+        before = np.where(ends, layer - 1, layer) % n_layers
+        n_cells = round(2.0 * np.pi / self.mesh.sector_angle)
+        cell = np.where(ends & (layer == 0), cell - 1, cell) % n_cells
+        return cell, before, np.where(ends, self._planes[before + 1], phi)
+
+    def _bricks_under(self) -> BoolArray:
+        """Whether each edge has a brick under it in each layer: (edges, layers)."""
+        corners = self.mesh.section.quads[:, :4]
+        sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)
+        owner = {
+            frozenset(side): e for e, quad in enumerate(sides.tolist()) for side in quad
+        }  # the surfaces' edges have one element only
+        under = [owner[frozenset(edge)] for edge in self.edges[:, :2].tolist()]
+        return self.mesh.present[:, under].T
+
+    def _over_groove(self, edge: IntArray, angle: FloatArray) -> str:
+        """What is wrong with places over a groove, and where the nearest block is for all."""
+        alpha, planes = self.mesh.sector_angle, self._planes
+        on_block = np.tile(self._there[np.unique(edge)].all(axis=0), 3)
+        theta = np.append((alpha * np.arange(-1, 2)[:, None] + planes[:-1]).ravel(), 2.0 * alpha)
+        ends = np.diff(np.concatenate([[False], on_block, [False]]).astype(int))
+        middle, reach = (angle.max() + angle.min()) / 2.0, np.ptp(angle) / 2.0
+        start = np.floor(middle / alpha) * alpha
+        low, high = theta[ends == 1] + start + reach, theta[ends == -1] + start - reach
+        low, high = np.ceil(np.rad2deg(low) * 1e4) / 1e4, np.floor(np.rad2deg(high) * 1e4) / 1e4
+        here = float(np.rad2deg(middle))
+        words = f"at {here % 360.0:.6g} deg there is a groove"
+        fits = low <= high
+        if not fits.any():
+            return f"{words}, and no block that is long enough; take a point or a smaller disc"
+        nearest = np.clip(here, low[fits], high[fits])
+        best = float(nearest[np.argmin(abs(nearest - here))]) % 360.0
+        return f"{words}; the nearest angle on a block is {best:.7g} deg"
 
     def _around(self, nodes: IntArray, xi: FloatArray, phi: FloatArray) -> FloatArray:
         """Natural coordinate (m,) at which a face stands at angles phi from the cell's left."""

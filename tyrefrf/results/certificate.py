@@ -15,7 +15,8 @@ class Certificate:
     difference: (l, k) ||H' - H|| / ||H|| over the probes, NaN where it has no answer.
     cell_difference: (l, k) the largest ||q' - q|| / ||q|| of any cell, over its left section and
         interior; NaN where the run's own solver is truncated.
-    n_cells: of the refined ring, which is the same but for twice the cells; 0 where there is none.
+    n_cells: of the refined ring, which is the same but for twice the cells, or twice the elements
+        around in every cell with grooves; 0 where there is none.
     refined_frequency: (m,) [Hz].
     level_change: (l, p, m) 20 log10 |H refined / H| [dB], NaN where the probe does not move. The
         change from refining around the axle alone: no bound of the discretisation error.

@@ -1,7 +1,8 @@
 """A second look at a run: another solver on a sample of its lines, and a ring of finer cells.
 
 The first says whether the equations were solved; the second, how far the answer still changes
-when the cells are halved around the axle. The section's own mesh is not refined.
+when the cells are halved around the axle. The section's own mesh is not refined. A cell with a
+groove in its tread cannot be halved: it has twice the elements around instead.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 from tyrefrf.arrays import ComplexArray, FloatArray, IntArray
 from tyrefrf.case import AtNode, Case, Load, Probe, Solver, build_case, resolved
 from tyrefrf.errors import CaseError, MeshError, Problem, SolveError
+from tyrefrf.mesh.grooves import groove_layers
 from tyrefrf.mesh.place import Place
 from tyrefrf.results import Results
 from tyrefrf.results.certificate import Certificate
@@ -126,6 +128,7 @@ def certified(plan: Plan, workers: Workers, progress: Progress = lambda n_lines:
 def refined_case(case: Case, model: Model) -> Case:
     """The case with cells of half the angle, its loads and probes where they were.
 
+    A cell with grooves keeps its angle and has twice the elements around, in grooves and blocks.
     What snaps to a node keeps the plane that it has in the model: those planes are in the finer
     ring too. Raises CaseError where such cells are not allowed.
     """
@@ -136,7 +139,14 @@ def refined_case(case: Case, model: Model) -> Case:
         message = f"the matrices are of cells of {case.cell.sector_angle:g} deg, as they are"
         raise CaseError([Problem(("matrices",), message)])
     data = {key: value for key, value in resolved(case).items() if key != "sweep"}
-    data["cell"] = {**data["cell"], "sector_angle": case.cell.sector_angle / 2.0}
+    tread = case.geometry.tread if case.geometry else None
+    if case.geometry is None or tread is None or tread.grooves is None:
+        data["cell"] = {**data["cell"], "sector_angle": case.cell.sector_angle / 2.0}
+    else:
+        layers = groove_layers(tread.grooves, case.geometry.outer_radius, case.cell)
+        across = int(layers.grooved.sum()) // tread.grooves.number
+        data["cell"] = {**data["cell"], "elements_around": 2 * case.cell.elements_around}
+        data["geometry"]["tread"]["grooves"]["elements_across"] = 2 * across
     data["loads"] = _kept(data["loads"], case.loads, model.loads)
     data["probes"] = _kept(data["probes"], case.probes, model.probes[len(model.loads) :])
     return build_case(data, case.name).beside(case.directory)

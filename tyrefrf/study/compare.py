@@ -275,7 +275,7 @@ def _gathered(
         remark=tuple(a.spectrum.remark for a in answers),
         failure=failure,
         machine=machine() | {"BLAS": next((a.blas for a in answers if a.blas), "unknown")},
-        section=model.mesh.section,
+        section=model.mesh.left,
         provenance=origin,
         inflation=None if inflation is None else static_state(model, inflation),
     )

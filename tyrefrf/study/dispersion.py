@@ -79,7 +79,7 @@ def dispersion_of(
         solve_time=np.array([line.seconds for line in found]),
         remark=tuple(line.remark for line in found),
         bound=decay / NEPER,
-        section=model.mesh.section,
+        section=model.mesh.left,
         provenance=replace(provenance_of(case, case_text, numbers), solver="free waves"),
         inflation=None if model.inflation is None else static_state(model, model.inflation),
     )

@@ -11,6 +11,7 @@ from tyrefrf.case import Case, Solver
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
+from tyrefrf.mesh.grooves import groove_layers, groove_rows
 from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results import read_measured
 from tyrefrf.solvers import RingProblem
@@ -29,9 +30,10 @@ START_UP = 3.0  # s: imports, worker processes, plots
 class Estimate:
     """Sizes of the model, how finely it is meshed, and what solving would take.
 
-    mass: of the tyre [kg]; masses: by material. seconds: wall time. memory: of all processes
-    together [bytes]. mesh_file: what was read from the case's mesh file, if it has one. matrices:
-    what was found of those that the case brings.
+    grooves: those of the tread, as they are meshed; "" without. mass: of the tyre [kg]; masses: by
+    material. seconds: wall time. memory: of all processes together [bytes]. mesh_file: what was
+    read from the case's mesh file, if it has one. matrices: what was found of those that the case
+    brings.
     """
 
     section_nodes: int
@@ -42,6 +44,7 @@ class Estimate:
     ring_nodes: int
     ring_dofs: int
     free_section_dofs: int
+    grooves: str
     mass: float
     masses: dict[str, float]
     n_lines: int
@@ -71,13 +74,14 @@ def estimate(case: Case, jobs: int) -> Estimate:
     look = _elements(case, model, lines[-1])
     return Estimate(
         section_nodes=mesh.n_face,
-        section_elements=mesh.section.n_elements,
+        section_elements=mesh.left.n_elements,
         cell_nodes=mesh.n_nodes,
         cell_dofs=problem.cell.n_dofs,
         n_cells=problem.n_cells,
         ring_nodes=mesh.n_own * problem.n_cells,
         ring_dofs=problem.n_ring_dofs,
         free_section_dofs=section_dofs(problem),
+        grooves=_grooves(case),
         mass=look.mass,
         masses=look.masses,
         n_lines=len(lines),
@@ -121,6 +125,24 @@ def _elements(case: Case, model: Model, top: float) -> _Look:
     )
 
 
+def _grooves(case: Case) -> str:
+    """The tread's grooves and how they are meshed."""
+    if case.geometry is None or case.geometry.tread is None:
+        return ""
+    tread, R = case.geometry.tread, case.geometry.outer_radius
+    if tread.grooves is None:
+        return ""
+    grooves = tread.grooves
+    count = grooves.number * case.cell.n_cells
+    across = int(groove_layers(grooves, R, case.cell).grooved.sum())
+    return (
+        f"{count} grooves, {1e3 * grooves.width:.4g} mm wide ({across} of "
+        f"{case.cell.elements_around} elements around a cell) and {1e3 * grooves.depth:.4g} mm "
+        f"deep ({groove_rows(tread)} of {tread.elements_through} rows), between blocks of "
+        f"{1e3 * (2.0 * np.pi * R / count - grooves.width):.4g} mm"
+    )
+
+
 def tyre_mass(problem: RingProblem) -> float:
     """Mass of the whole ring [kg]: that of a unit translation along the axle."""
     along = np.zeros(problem.cell.n_dofs)
@@ -149,7 +171,8 @@ def _coarse(case: Case, resolution: tuple[Resolution, ...]) -> list[str]:
     return [
         f"{r.material}: {r.per_wavelength:.1f} elements per wavelength at the top frequency "
         f"({r.enough:g} recommended); elements of {1e3 * r.per_wavelength * r.size / r.enough:.2g} "
-        f'mm would do (smaller cell.sector_angle, {along}, or "hex20")'
+        "mm would do (smaller cell.sector_angle or more cell.elements_around, "
+        f'{along}, or "hex20")'
         for r in resolution
         if not r.fine
     ]

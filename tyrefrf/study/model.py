@@ -25,7 +25,8 @@ from tyrefrf.fem.assembly import CellAssembly, CellMatrices
 from tyrefrf.fem.columns import hub_columns, node_column, surface_column
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.inflation import Inflation
-from tyrefrf.mesh.cell import CellMesh, revolve
+from tyrefrf.mesh.cell import CellMesh, revolve, revolve_between
+from tyrefrf.mesh.grooves import cut_elements, groove_layers
 from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.mesh.place import REGION, Nodes, Place
 from tyrefrf.mesh.profile import tyre_section
@@ -192,7 +193,11 @@ def build_mesh(case: Case) -> CellMesh:
         return mesh_of_file(case)
     assert case.geometry is not None  # the case saw to it that there is one of them
     quadratic = ELEMENTS[case.cell.element].n_nodes == 20
-    section = tyre_section(case.geometry, quadratic)
+    section, tread = tyre_section(case.geometry, quadratic), case.geometry.tread
+    if tread is not None and tread.grooves is not None:
+        layers = groove_layers(tread.grooves, case.geometry.outer_radius, case.cell)
+        cut = cut_elements(case.geometry)
+        return revolve_between(section, layers.theta, ~np.outer(layers.grooved, cut))
     return revolve(section, 2.0 * np.pi / case.cell.n_cells, case.cell.elements_around)
 
 
@@ -305,8 +310,9 @@ class _Finder:
         if not self.mesh.is_revolved:
             raise MeshError(self._only_nodes(point))
         diameter = point.diameter if isinstance(point, OnPatch) else 0.0
+        disc = surface.disc(point.s, angle, diameter) if diameter else None
         centre = surface.spots(np.array([point.s]), np.array([angle]))
-        spots, share = surface.disc(point.s, angle, diameter) if diameter else (centre, np.ones(1))
+        spots, share = disc or (centre, np.ones(1))
         place = Place(
             name=point.name,
             kind="patch" if diameter else "point",
@@ -343,11 +349,11 @@ class _Finder:
     def _numbered(self, number: int) -> int:
         """The section's node of a number: the file's, if the section was read from one."""
         numbers = self.mesh.section.numbers
-        if numbers is None and number < self.mesh.n_face:
+        if numbers is None and number < self.mesh.section.n_nodes:
             return number
         if numbers is not None and len(found := np.flatnonzero(numbers == number)):
             return int(found[0])
-        n = self.mesh.n_face
+        n = self.mesh.section.n_nodes
         known = f"0 to {n - 1}" if numbers is None else "a number from the file"
         raise MeshError(f"node {number} is not in the section, which has {n} nodes; give {known}")
 

@@ -174,7 +174,7 @@ def _results(
         cutoff=found.cutoff / (2.0 * np.pi),
         counted=found.counted,
         moduli_at=np.nan if at is None else at / (2.0 * np.pi),
-        section=mesh.section,
+        section=mesh.left,
         provenance=replace(provenance, solver="modes"),
         inflation=None if model.inflation is None else static_state(model, model.inflation),
     )
@@ -199,13 +199,15 @@ def nodal_diameters(
 ) -> IntArray:
     """Which of n = |order + k N| each shape (m, n_own, 3) within the cell comes closest to: (m,).
 
-    By the discrete Fourier transform over the cell's equally spaced planes, on the section nodes
-    that stand in all of them: p planes tell p aliases apart, one plane none.
+    By the discrete Fourier transform over the cell's planes, each weighted by half the angle
+    between its neighbours, on the section nodes that stand in all of them: p planes tell p aliases
+    apart, one plane none.
     """
     planes = mesh.planes[:-1, np.all(mesh.planes[:-1] >= 0, axis=0)]
     p = len(planes)
+    gap = np.diff(mesh.plane_angles)
     n = order + n_cells * np.arange(-(p // 2), (p + 1) // 2)
-    theta = mesh.sector_angle * np.arange(p) / p
-    waves = np.einsum("np,mpai->mnai", np.exp(-1j * np.outer(n, theta)), shapes[:, planes])
+    kernel = (gap + np.roll(gap, 1)) * np.exp(-1j * np.outer(n, mesh.plane_angles[:-1]))
+    waves = np.einsum("np,mpai->mnai", kernel, shapes[:, planes])
     power = np.sum(np.abs(waves) ** 2, axis=(2, 3))
     return np.abs(n[np.argmax(power, axis=1)])

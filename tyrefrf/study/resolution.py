@@ -77,7 +77,7 @@ def resolutions(
     thickness, bending_stiffness, mass = _walls(mesh.section, stuff)
     bending = 2.0 * np.pi * (bending_stiffness / (mass * omega**2)) ** 0.25
     shear = (2.0 * np.pi / omega * c_shear)[of]
-    size = element_sizes(mesh)[: len(of)].max(axis=1)  # of one layer of bricks: all are alike
+    size = _over_section(mesh, element_sizes(mesh).max(axis=1))
 
     per_wavelength = np.minimum(shear, bending) / size
     worst = [
@@ -90,6 +90,15 @@ def resolutions(
         )
         for name, e in zip(mesh.materials, worst, strict=True)
     )
+
+
+def _over_section(mesh: CellMesh, size: FloatArray) -> FloatArray:
+    """The largest (e,) of what the bricks over each element of the section have (bricks,)."""
+    if not len(mesh.quads):
+        return size[: mesh.section.n_elements]
+    largest = np.zeros(mesh.section.n_elements)
+    np.maximum.at(largest, mesh.quads, size)
+    return largest
 
 
 def element_sizes(mesh: CellMesh) -> FloatArray:

@@ -13,6 +13,7 @@ import numpy as np
 from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, case_hash, load_case, read_text, resolved_toml
 from tyrefrf.fem.inflation import Inflation
+from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.results import Provenance, Results, StaticState, read_measured
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.certify import certified, plan_certificate
@@ -94,7 +95,7 @@ def results_of(
         residual=spectrum.residual,
         solve_time=spectrum.solve_time,
         remark=spectrum.remark,
-        section=model.mesh.section,
+        section=model.mesh.left,
         provenance=provenance_of(model.case, case_text, {**numbers, **_fit_numbers(spectrum.fit)}),
         inflation=None if model.inflation is None else static_state(model, model.inflation),
     )
@@ -114,10 +115,11 @@ def _fit_numbers(fit: Fit | None) -> dict[str, float | int]:
 
 def static_state(model: Model, state: Inflation) -> StaticState:
     """What of an inflation is kept: that of the left section and its elements."""
+    assert isinstance(model.mesh, CellMesh)  # brought matrices are not inflated
     return StaticState(
         pressure=model.case.inflation.pressure,
         displacement=state.displacement[: model.mesh.n_face, :2].copy(),
-        stress=state.stress[: model.mesh.section.n_elements].copy(),
+        stress=state.stress[model.mesh.left_bricks],
         resultant=state.resultant,
         share=np.array([step.share for step in state.steps]),
         iterations=np.array([step.iterations for step in state.steps]),
