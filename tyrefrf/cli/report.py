@@ -172,7 +172,7 @@ def describe_run(facts: dict[str, Any]) -> str:
         *picked_lines(facts),
         *proof_lines(facts),
         *_certificate_lines(facts),
-        *_deflection_lines(facts["deflections"]),
+        *_deflection_lines(facts.get("deflections")),
         *_measured_lines(facts),
         *(f"  remark    {remark}" for remark in facts["remarks"]),
         *(f"  wrote     {path}" for path in facts["files"]),
@@ -180,8 +180,10 @@ def describe_run(facts: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _deflection_lines(found: dict[str, Any]) -> list[str]:
+def _deflection_lines(found: dict[str, Any] | None) -> list[str]:
     """How many deflections were made beside the lines, and what their equations say."""
+    if found is None:
+        return []
     n, n_failed = len(found["frequencies"]), len(found["failed"])
     if n + n_failed == 0:
         return []
