@@ -161,7 +161,7 @@ def test_a_tyre_whose_modes_cannot_be_counted_has_all_lines_solved(monkeypatch):
     def fails(*_):
         raise SolveError("buckled")
 
-    monkeypatch.setattr(adaptive, "_modes_below", fails)
+    monkeypatch.setattr(adaptive, "modes_below", fails)
     found = run_case(tyre("stop = 400.0\nstep = 4.0", tolerance=1e-5), jobs=1)
     assert found.solved.all()
     assert "could not be counted" in describe_run(summary(found, []))

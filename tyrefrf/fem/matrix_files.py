@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.io import mmread
 from scipy.sparse import coo_array, csr_array, issparse, load_npz, tril, triu
 
 from tyrefrf.arrays import FloatArray, IntArray
@@ -137,6 +136,8 @@ def _from_npz(path: Path) -> csr_array:
 
 
 def _from_market(path: Path) -> csr_array:
+    from scipy.io import mmread
+
     try:
         found = mmread(path, spmatrix=False)
     except (OSError, ValueError, OverflowError, EOFError, MemoryError) as error:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from tyrefrf.errors import ResultsError
@@ -131,6 +130,8 @@ def interpolated(f: FloatArray, lines: FloatArray, H: ComplexArray) -> ComplexAr
     its lines may crowd where an adaptive choice or a logarithmic range put them, which would give
     those frequencies a weight that the measurement does not.
     """
+    from scipy.interpolate import CubicSpline
+
     answered = ~np.isnan(H)
     if answered.sum() < LEAST:
         return np.asarray(np.full(len(f), H[answered][0] if answered.any() else np.nan))

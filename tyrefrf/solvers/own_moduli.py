@@ -15,7 +15,6 @@ from functools import partial
 
 import numpy as np
 from scipy.linalg import eigh, svd
-from scipy.optimize import brentq
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.errors import SolveError
@@ -177,6 +176,7 @@ def crossing(root: Callable[[float], float], near: float, cutoff: float) -> floa
 
     By secants; a storage modulus that all but jumps may throw them out, and then by bisection.
     """
+    from scipy.optimize import brentq
 
     def lack(omega: float) -> float:
         return root(omega) - omega

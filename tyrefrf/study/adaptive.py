@@ -8,19 +8,21 @@ lines that are solved do not depend on the workers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.errors import SolveError
+from tyrefrf.fem.assembly import CellMatrices
 from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.modal_loss import modal_loss
-from tyrefrf.solvers.modes import OrderModes, ring_modes, storage_stiffness
-from tyrefrf.solvers.own_moduli import own_ring_modes
-from tyrefrf.study.executor import Workers, executor_of
+from tyrefrf.solvers.modes import OrderModes, Pencils, modes_below, storage_stiffness
+from tyrefrf.solvers.own_moduli import RelaxingOrders, own_modes_below
+from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
 from tyrefrf.study.sampling import START, Sampling
 from tyrefrf.study.spectrum import Fit, Gathered, Progress, Spectrum, solve_lines, solve_spectra
 
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 NARROW = 4.0
 """Half-power bandwidth, in spacings of the lines, below which a resonance counts as narrow: fewer
 than so many lines stand in it."""
+SHARES_PER_JOB = 3
+"""Shares of the orders whose modes a process finds at a time: orders are not alike in work."""
 FEW = 2 * START
 """Up to so many lines are all solved: a fit would save nothing."""
 
@@ -63,7 +67,7 @@ def solve_adaptively(
     """
     executor = executor_of(workers, len(frequency) * len(problems))
     gathered = [Gathered.prepared(problem, solver, frequency, executor) for problem in problems]
-    samplings = [_sampling(problem, frequency, tolerance) for problem in problems]
+    samplings = [_sampling(problem, frequency, tolerance, executor) for problem in problems]
     while True:
         wanted = [sampling.next_lines() for sampling in samplings]
         longest = max(map(len, wanted))
@@ -78,9 +82,11 @@ def solve_adaptively(
     return [_spectrum(*pair) for pair in zip(gathered, samplings, strict=True)]
 
 
-def _sampling(problem: RingProblem, frequency: FloatArray, tolerance: float) -> Sampling:
+def _sampling(
+    problem: RingProblem, frequency: FloatArray, tolerance: float, executor: Executor
+) -> Sampling:
     """No line yet, but what is known of the problem before the first."""
-    first = narrow_lines(problem, frequency) if len(frequency) > FEW else None
+    first = narrow_lines(problem, frequency, executor) if len(frequency) > FEW else None
     if first is None:
         first = np.arange(len(frequency))
     return Sampling(2.0 * np.pi * frequency, rim_arms(problem), tolerance, first)
@@ -108,20 +114,24 @@ def rim_arms(problem: RingProblem) -> FloatArray:
     return np.where(sizes.T @ moves > 0.0, 0.0, largest)
 
 
-def narrow_lines(problem: RingProblem, frequency: FloatArray) -> IntArray | None:
+def narrow_lines(
+    problem: RingProblem, frequency: FloatArray, workers: Workers = 1
+) -> IntArray | None:
     """Numbers of the lines [Hz] on either side of each narrow resonance.
 
     Natural frequencies and loss factors are those of the moduli at each mode's own frequency, and
     of the tyre without sensors, whose masses move them little.
     None where they cannot be had, as of a tyre that has buckled.
     """
-    try:
-        modes = _modes_below(problem, 2.0 * np.pi * frequency[-1])
-    except SolveError:
+    executor = executor_of(workers)
+    resonances = Resonances(problem.cell, problem.n_cells, 2.0 * np.pi * frequency[-1])
+    shares = min(SHARES_PER_JOB * executor.jobs, problem.n_cells // 2 + 1)
+    orders: Sequence[int] = range(problem.n_cells // 2 + 1)
+    tasks = [Task(resonances, orders[k::shares]) for k in range(shares)]
+    found = list(map_unordered(tasks, executor, _unknown))
+    if any(part is None for part in found):
         return None
-    loss = modal_loss(problem.cell, problem.n_cells, modes, None)
-    natural = np.concatenate([order.omega for order in modes]) / (2.0 * np.pi)
-    width = natural * np.concatenate([order.loss_factor for order in loss])
+    natural, width = np.hstack([part for part in found if part is not None]) / (2.0 * np.pi)
     after = np.searchsorted(frequency, natural)
     within = (after > 0) & (after < len(frequency)) & (natural > 0.0)
     after, width = after[within], width[within]
@@ -129,10 +139,36 @@ def narrow_lines(problem: RingProblem, frequency: FloatArray) -> IntArray | None
     return np.union1d(narrow - 1, narrow)
 
 
-def _modes_below(problem: RingProblem, omega: float) -> tuple[OrderModes, ...]:
-    """All natural modes with a frequency below omega [rad/s]."""
-    cell, N = problem.cell, problem.n_cells
-    at_rest, at_top = storage_stiffness(cell, 0.0), storage_stiffness(cell, omega)
-    if np.array_equal(at_rest, at_top):
-        return ring_modes(cell, N, below=omega)
-    return own_ring_modes(cell, N, below=omega)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+class Resonances:
+    """All natural modes of a ring with a frequency below omega [rad/s], some orders at a time."""
+
+    cell: CellMatrices
+    n_cells: int
+    omega: float
+
+    def __call__(self) -> Callable[[Sequence[int]], FloatArray | None]:
+        """What finds those of some orders: omega and half-power bandwidth (2, m) [rad/s].
+
+        None where they cannot be had.
+        """
+        cell, N, top = self.cell, self.n_cells, self.omega
+        if np.array_equal(storage_stiffness(cell, 0.0), storage_stiffness(cell, top)):
+            pencils = Pencils(cell, N)
+            return partial(self._found, lambda h: modes_below(pencils.of(h), top))
+        relaxing = RelaxingOrders(cell, N)
+        return partial(self._found, lambda h: own_modes_below(relaxing, h, top))
+
+    def _found(self, find: Callable[[int], OrderModes], orders: Sequence[int]) -> FloatArray | None:
+        try:
+            modes = [find(h) for h in orders]
+        except SolveError:
+            return None
+        loss = modal_loss(self.cell, self.n_cells, modes, None)
+        omega = np.concatenate([order.omega for order in modes])
+        return np.stack([omega, omega * np.concatenate([each.loss_factor for each in loss])])
+
+
+def _unknown(task: Task[Sequence[int], FloatArray | None], reason: str) -> FloatArray | None:
+    """What stands for orders whose process dies: nothing."""
+    return None

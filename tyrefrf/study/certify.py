@@ -27,6 +27,7 @@ from tyrefrf.solvers import Solver as RingSolver
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.cost import line_seconds
 from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
+from tyrefrf.study.local import pinned
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Progress, solve_spectrum
 
@@ -81,6 +82,7 @@ class Plan:
         return seconds
 
 
+@pinned
 def plan_certificate(case: Case, results: Results) -> Plan:
     """What would certify these results of a case. Raises CaseError and MeshError as a run."""
     case = with_solver(case, results.provenance.solver)
@@ -106,6 +108,7 @@ def plan_certificate(case: Case, results: Results) -> Plan:
     )
 
 
+@pinned
 def certified(plan: Plan, workers: Workers, progress: Progress = lambda n_lines: None) -> Results:
     """The results with their certificate. Raises SolveError where nothing can be solved."""
     results = plan.results

@@ -18,6 +18,7 @@ from tyrefrf.results.names import file_names
 from tyrefrf.results.ring_mesh import RingMesh
 from tyrefrf.solvers import Field, prepare, solve_field
 from tyrefrf.study.choose import decided_model
+from tyrefrf.study.local import pinned
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.run import provenance_of, sizes
 
@@ -31,6 +32,7 @@ class Deflected:
     failure: str = ""
 
 
+@pinned
 def deflections(case: Case | str | Path, frequencies: Sequence[float]) -> list[Deflection]:
     """Every load's deflection at frequencies [Hz]: `tyrefrf.deflections("case.toml", [100.0])`.
 

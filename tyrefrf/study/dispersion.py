@@ -18,7 +18,7 @@ from tyrefrf.solvers.problem import RingProblem
 from tyrefrf.solvers.waves import FreeWaves, Waves
 from tyrefrf.study.branches import Frame, branches
 from tyrefrf.study.executor import Task, Workers, executor_of, map_unordered
-from tyrefrf.study.local import cores
+from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.model import build_model
 from tyrefrf.study.run import provenance_of, sizes, static_state
 from tyrefrf.study.spectrum import Progress
@@ -45,6 +45,7 @@ def dispersion(
     return dispersion_of(case, lines=lines, decay=decay, at_rest=at_rest, jobs=jobs, case_text=text)
 
 
+@pinned
 def dispersion_of(
     case: Case,
     *,

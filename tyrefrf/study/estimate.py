@@ -18,6 +18,7 @@ from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.study.choose import decided
 from tyrefrf.study.cost import line_seconds, section_dofs
+from tyrefrf.study.local import pinned
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.outside import described
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
@@ -61,6 +62,7 @@ class Estimate:
     memory: float
 
 
+@pinned
 def estimate(case: Case, jobs: int) -> Estimate:
     """Mesh and assemble a case, solve nothing, and say what solving would take.
 

@@ -11,10 +11,13 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 from uuid import uuid4
+
+P = ParamSpec("P")
+Result = TypeVar("Result")
 
 Make = Callable[[], Callable[[Any], Any]]
 """Makes a function in the process that is to call it; may be sent there."""
@@ -32,6 +35,19 @@ ONE_THREAD = dict.fromkeys(
 def cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def pinned(function: Callable[P, Result]) -> Callable[P, Result]:
+    """The function, run with one BLAS thread: more only get in each other's way here."""
+
+    @wraps(function)
+    def with_one_thread(*args: P.args, **kwargs: P.kwargs) -> Result:
+        from threadpoolctl import threadpool_limits
+
+        with threadpool_limits(limits=1, user_api="blas"):
+            return function(*args, **kwargs)
+
+    return with_one_thread
 
 
 class Here:

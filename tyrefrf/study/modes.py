@@ -18,6 +18,7 @@ from tyrefrf.results.modes import Modes
 from tyrefrf.solvers.modal_loss import modal_loss
 from tyrefrf.solvers.modes import OrderModes, Pencils, cutoff_for, lowest, modes_below
 from tyrefrf.solvers.own_moduli import RelaxingOrders, own_modes_below
+from tyrefrf.study.local import pinned
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.run import provenance_of, sizes, static_state
 
@@ -45,6 +46,7 @@ def modes(
     )
 
 
+@pinned
 def modes_of_case(
     case: Case,
     *,

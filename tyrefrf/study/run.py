@@ -19,7 +19,7 @@ from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.certify import certified, plan_certificate
 from tyrefrf.study.choose import decided_model
 from tyrefrf.study.executor import Workers, executor_of
-from tyrefrf.study.local import cores
+from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Fit, Progress, Spectrum
 
@@ -39,6 +39,7 @@ def run(case: Case | str | Path, *, jobs: Workers | None = None, certify: bool =
     return certified(plan_certificate(case, results), jobs or cores()) if certify else results
 
 
+@pinned
 def run_case(
     case: Case,
     *,

@@ -14,7 +14,7 @@ from tyrefrf.results import SweepResults, read_measured
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.executor import Workers, executor_of
-from tyrefrf.study.local import cores
+from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.model import Workshop
 from tyrefrf.study.run import provenance_of, results_of, sizes
 from tyrefrf.study.spectrum import Progress
@@ -39,6 +39,7 @@ def sweep(
     return run_sweep(make_grid(load_case(path), wanted), jobs=jobs, case_text=read_text(path))
 
 
+@pinned
 def run_sweep(
     grid: Grid,
     *,
