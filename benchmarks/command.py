@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from tyrefrf.case import Case, resolved_toml
-from tyrefrf.study.own_process import ONE_THREAD
+from tyrefrf.study.local import ONE_THREAD
 
 TYREFRF = (sys.executable, "-m", "tyrefrf")
 INTERVAL = 0.05  # s between two looks at a command's memory

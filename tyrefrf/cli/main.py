@@ -6,6 +6,7 @@ lines failed, or breached their proof; 2: the case or the command line is wrong.
 
 from __future__ import annotations
 
+import os
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -15,6 +16,7 @@ import typer
 
 from tyrefrf.cli.sweeping import InOrder
 from tyrefrf.errors import CaseError, CommandError, MeshError, TyreFRFError
+from tyrefrf.study.local import ONE_THREAD
 
 app = typer.Typer(
     help="Tyre vibrations to 3 kHz from one angular cell, by the recursive wave finite element "
@@ -546,7 +548,12 @@ def _version(
 
 
 def main() -> None:
-    """Run the command line and turn errors into messages and exit statuses."""
+    """Run the command line and turn errors into messages and exit statuses.
+
+    One BLAS thread, before any library has started more: the cores work at lines of their own.
+    """
+    for variable, one in ONE_THREAD.items():
+        os.environ.setdefault(variable, one)
     try:
         app()
     except (CaseError, MeshError, CommandError) as error:

@@ -61,12 +61,12 @@ def deflected(
     if case.matrices is not None:
         message = "have no elements to draw a deflection with; bring a mesh, as [mesh]"
         raise CaseError([Problem(("matrices",), message)])
-    model, _ = decided_model(build_model(case))
-    solver = prepare(model.problem, model.case.solver)()
+    model, _ = pinned(decided_model)(build_model(case))
+    solver = pinned(prepare)(model.problem, model.case.solver)()
     gather = _Gather(model, case_text)
     for frequency in frequencies:
         try:
-            field = solve_field(model.problem, solver, 2.0 * np.pi * frequency)
+            field = pinned(solve_field)(model.problem, solver, 2.0 * np.pi * frequency)
         except SolveError as error:
             yield Deflected(frequency, (), str(error))
         else:

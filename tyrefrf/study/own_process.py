@@ -19,13 +19,12 @@ from pathlib import Path
 from typing import IO, Any, TypeVar
 
 from tyrefrf.errors import SolveError, TyreFRFError
+from tyrefrf.study.local import ONE_THREAD
 
 Result = TypeVar("Result")
 
 Say = Callable[[object], None]
 """Tells the parent something while the work goes on."""
-
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 START = (
     "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer); "
@@ -41,7 +40,7 @@ def in_own_process(work: Callable[[Say], Result], listen: Callable[[Any], None])
     foreseen leaves its traceback on stderr.
     """
     command = [sys.executable, "-c", START]
-    environment = os.environ | dict.fromkeys(ONE_THREAD, "1")
+    environment = os.environ | ONE_THREAD
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment) as process:
         try:
