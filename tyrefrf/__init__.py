@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from tyrefrf.study.deflection import deflections
     from tyrefrf.study.dispersion import dispersion
     from tyrefrf.study.modes import modes
+    from tyrefrf.study.outside import with_mesh
     from tyrefrf.study.run import run
     from tyrefrf.study.sweep import sweep
 
@@ -68,6 +69,7 @@ __all__ = [
     "run",
     "sweep",
     "to_xarray",
+    "with_mesh",
     "write_results",
     "write_sweep",
     "write_vtkhdf",
@@ -96,6 +98,7 @@ _HOME = {
     "run": "tyrefrf.study.run",
     "sweep": "tyrefrf.study.sweep",
     "to_xarray": "tyrefrf.results",
+    "with_mesh": "tyrefrf.study.outside",
     "write_results": "tyrefrf.results",
     "write_sweep": "tyrefrf.results",
     "write_vtkhdf": "tyrefrf.results.vtkhdf",

@@ -86,8 +86,8 @@ def test_quantity_directory_reference_and_json(file, tmp_path, monkeypatch, caps
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--to", "uff"], "no format 'uff'; there are uff58, csv, mat; did you mean 'uff58'"),
-        (["--to", ","], "there are uff58, csv, mat"),
+        (["--to", "uff"], "no format 'uff'; there are uff58, csv, mat, vtk; did you mean 'uff58'"),
+        (["--to", ","], "there are uff58, csv, mat, vtk"),
         (["--to", "csv", "--reference", "loud"], "'loud' is no reference"),
         (["--to", "csv", "--quantity", "impedance"], "impedance"),
         ([], "--to"),

@@ -37,10 +37,11 @@ class NamedFile:
 def files_of(case: Case) -> tuple[NamedFile, ...]:
     """Every file that the case names, table by table, each before what it includes.
 
+    Without that of [mesh] where a mesh in memory takes its place.
     Raises CaseError, naming the key, where one that may include others cannot be read.
     """
     named: list[NamedFile] = []
-    if case.mesh is not None:
+    if case.mesh is not None and case.held_mesh is None:
         named += _with_included(NamedFile(("mesh", "file"), case.directory / case.mesh.file))
     if case.matrices is not None:
         named += [
@@ -55,9 +56,11 @@ def files_of(case: Case) -> tuple[NamedFile, ...]:
 def file_digests(case: Case) -> list[tuple[str, str]]:
     """Place of the name, and SHA-256 of the content, of every file that the case names.
 
+    A mesh in memory counts as the file that it is taken in place of, by a digest of its own.
     Raises CaseError with all that cannot be read.
     """
-    digests: list[tuple[str, str]] = []
+    held = case.held_mesh
+    digests = [] if held is None else [("mesh.file", held.digest())]
     problems: list[Problem] = []
     for file in files_of(case):
         try:

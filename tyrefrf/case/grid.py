@@ -91,7 +91,7 @@ def _grid(case: Case, axes: list[tuple[Parameter, Axis]], problems: list[Problem
         data = plain
         for (parameter, _), value in zip(axes, point, strict=True):
             data = _with(data, parameter, value)
-        return build_case(data, case.name).beside(case.directory)
+        return build_case(data, case.name).with_files_of(case)
 
     cases = _at_all([axis for _, axis in axes], values, changed, problems)
     return Grid(case, tuple(axis for _, axis in axes), tuple(cases))

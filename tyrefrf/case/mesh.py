@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Protocol
 
 from pydantic import Discriminator, Field, Tag
 
@@ -13,6 +13,13 @@ from tyrefrf.case.table import Name, Table, by_kind
 from tyrefrf.case.units import LENGTH, Quantity
 
 Direction = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=2)]
+
+
+class HeldMesh(Protocol):
+    """A mesh in memory, in place of the file that a case names; what it is, is not read here."""
+
+    def digest(self) -> str:
+        """SHA-256 of what it holds."""
 
 
 class Region(Table):

@@ -22,7 +22,7 @@ from tyrefrf.case.laid import laid_materials
 from tyrefrf.case.material import Material
 from tyrefrf.case.matrices import Matrices
 from tyrefrf.case.measured import MeasuredFile
-from tyrefrf.case.mesh import Mesh
+from tyrefrf.case.mesh import HeldMesh, Mesh
 from tyrefrf.case.places import Load, Probe
 from tyrefrf.case.solver import Solver
 from tyrefrf.case.sweep import Sweep
@@ -123,6 +123,7 @@ class Case(Table):
     )
 
     _directory: Path = PrivateAttr(default_factory=Path)
+    _held_mesh: HeldMesh | None = PrivateAttr(None)
 
     @property
     def directory(self) -> Path:
@@ -134,6 +135,21 @@ class Case(Table):
         moved = self.model_copy()
         moved._directory = directory
         return moved
+
+    @property
+    def held_mesh(self) -> HeldMesh | None:
+        """The mesh in memory that is taken in place of the file of [mesh]."""
+        return self._held_mesh
+
+    def holding(self, mesh: HeldMesh | None) -> Self:
+        """The same case with a mesh in memory in place of the file of [mesh]."""
+        changed = self.model_copy()
+        changed._held_mesh = mesh
+        return changed
+
+    def with_files_of(self, other: Case) -> Self:
+        """The same case with the directory and the mesh in memory of another."""
+        return self.beside(other.directory).holding(other.held_mesh)
 
     @property
     def laid_materials(self) -> dict[str, Material]:

@@ -38,15 +38,22 @@ def check_fields(directory: Path, names: Sequence[str], *, force: bool) -> None:
                 )
 
 
-def deflections_to_files(case: Case, text: str, directory: Path, formats: Sequence[str]) -> Fields:
+def deflections_to_files(
+    case: Case,
+    text: str,
+    directory: Path,
+    formats: Sequence[str],
+    frequencies: Sequence[float] | None = None,
+) -> Fields:
     """Solve, write and draw the deflections that a case asks for, one frequency at a time.
 
-    text: the case as its author wrote it. directory: of the run's results.
+    text: the case as its author wrote it. directory: of the run's results. frequencies: others
+    than the case's [Hz].
     """
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.study.deflection import deflected
 
-    wanted = case.output.deflections
+    wanted = case.output.deflections if frequencies is None else frequencies
     files: list[Path] = []
     residuals: dict[float, float] = {}
     failed: list[str] = []
@@ -82,7 +89,12 @@ def field_to_files(deflection: Deflection, directory: Path, formats: Sequence[st
     from tyrefrf.results.vtkhdf import write_vtkhdf
     from tyrefrf.results.vtu import write_vtu
 
-    files = [directory / "fields" / f"{deflection.stem}.{form}" for form in ("vtkhdf", "vtu")]
+    files = field_files(deflection.stem, directory)
     write_vtkhdf(files[0], deflection)
     write_vtu(files[1], deflection)
     return [*files, *draw_plots(deflection, directory / "plots", formats)]
+
+
+def field_files(stem: str, directory: Path) -> list[Path]:
+    """The VTKHDF and the VTU file of one motion, beside other results."""
+    return [directory / "fields" / f"{stem}.{form}" for form in ("vtkhdf", "vtu")]

@@ -445,7 +445,8 @@ def export(
         str,
         typer.Option(
             metavar="A,B,...",
-            help="Formats: uff58 (universal file, needs pyuff), csv, mat (MATLAB, Octave).",
+            help="Formats: uff58 (universal file, needs pyuff), csv, mat (MATLAB, Octave), vtk "
+            "(ParaView: how the whole tyre moves).",
         ),
     ],
     quantity: Annotated[
@@ -463,10 +464,30 @@ def export(
             "1 uN for a mobility).",
         ),
     ] = "1",
+    at: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            metavar="HZ",
+            help='vtk, of a run: frequency of a deflection, 250 or "100 Hz"; may be repeated. '
+            "Those of the case's output.deflections by default.",
+        ),
+    ] = None,
+    shapes: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(min=1, metavar="N", help="vtk, of modes: the N lowest shapes; 6 by default."),
+    ] = None,
+    files: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(
+            metavar="DIR",
+            help="vtk, of a run: where the files are that its case names (the case file's "
+            "directory); here by default.",
+        ),
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write the responses of a run or sweep for other programs.
+    """Write the responses of a run or sweep, or how a whole tyre moves, for other programs.
 
     Beside RESULTS and named after it: NAME.uff, a universal file with a dataset 58 for every
     response, geometry and SI units, for modal software; NAME.csv, the lines, and NAME_bands.csv,
@@ -475,17 +496,28 @@ def export(
     tables have the parameters as columns, and every point is a universal file of its own.
     The results file itself opens in xarray (engine h5netcdf) and in MATLAB (h5read).
 
+    vtk writes fields/*.vtkhdf (a period in phases, ParaView 5.12) and fields/*.vtu. A file of modes
+    has its shapes; of a run, the case in the file is solved again, with the file's own materials
+    and solver, at the frequencies asked for. What else the case names (a mesh file) has to be there
+    as it was. Exits 1 where a frequency has no answer.
+
     For example:
 
     \b
       tyrefrf export results/case/case.h5 --to csv
+      tyrefrf export results/case/case.h5 --to vtk --at "100 Hz" --at 250
+      tyrefrf export results/case_modes/case_modes.h5 --to vtk --shapes 12
       tyrefrf export results/case/case.h5 --to uff58,mat --quantity accelerance
       tyrefrf export results/case/case.h5 --to csv --reference iso1683 --force
     """
     from tyrefrf.cli.exporting import export_to_files
+    from tyrefrf.cli.exporting_fields import Wanted
 
     formats = [name.strip() for name in to.split(",") if name.strip()]
-    export_to_files(results, formats, quantity.value, output, reference, force=force, json=json)
+    wanted = Wanted(tuple(at or ()), shapes, files)
+    export_to_files(
+        results, formats, quantity.value, output, reference, wanted, force=force, json=json
+    )
 
 
 @app.command()

@@ -28,23 +28,63 @@ DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
 
 def read_by_meshlane(path: Path) -> OutsideMesh:
     """The mesh of a file, in its own unit and axes. Raises MeshError, naming the file."""
-    mesh = _read(path)
-    blocks = [(block.type, np.asarray(block.data, dtype=np.int64)) for block in mesh.cells]
+    return _outside(_read(path), path)
+
+
+def in_memory(mesh: Any, name: str) -> OutsideMesh:
+    """A copy of a mesh as meshio and meshlane have it in memory, in its own unit and axes.
+
+    mesh: with points, cells, point_sets, cell_sets and the like, as meshio.Mesh. Nodes and elements
+    are numbered from 1 in their order. name: for messages, in place of a file's.
+    Raises MeshError where it is no such mesh, or names nodes or elements that it has not.
+    """
+    try:
+        _refuse_absent(mesh, name)
+        return _outside(mesh, Path(name), numbered=False)
+    except (AttributeError, TypeError, ValueError, IndexError) as error:
+        raise MeshError(f"{name}: is no mesh as meshio.Mesh is one: {error}") from error
+
+
+def _refuse_absent(mesh: Any, name: str) -> None:
+    """Raise MeshError where a mesh names what it has not, or a point is nowhere."""
+    if not np.isfinite(mesh.points).all():
+        raise MeshError(f"{name}: a point is not finite")
+    n = len(mesh.points)
+    named = [(f"cells of {block.type}", "point", block.data, n) for block in mesh.cells]
+    named += [(f"point set {key!r}", "point", nodes, n) for key, nodes in mesh.point_sets.items()]
+    named += [
+        (f"cell set {key!r}", f"{block.type} of its block", part, len(block.data))
+        for key, parts in mesh.cell_sets.items()
+        for block, part in zip(mesh.cells, parts, strict=False)
+        if part is not None
+    ]
+    for where, what, members, size in named:
+        places = np.asarray(members)
+        if wrong := places[(places < 0) | (places >= size)].tolist():
+            words = f"no {what} is {wrong[0]}; there are 0 to {size - 1}"
+            raise MeshError(f"{name}: {where}: {words}")
+
+
+def _outside(mesh: Any, path: Path, *, numbered: bool = True) -> OutsideMesh:
+    """Meshlane's mesh as ours. numbered: whether the file may have numbers of its own."""
+    blocks = [(block.type, np.array(block.data, dtype=np.int64)) for block in mesh.cells]
     blocks = [(kind, nodes) for kind, nodes in blocks if len(nodes)]
     if not blocks:
         raise MeshError(f"{path}: holds no elements")
     first = np.cumsum([0, *(len(nodes) for _, nodes in blocks)])
-    numbers = _numbers(path, "Elements", int(first[-1]))
+    n_elements = int(first[-1])
+    numbers = _numbers(path, "Elements", n_elements) if numbered else 1 + np.arange(n_elements)
     elements = tuple(
         Elements(kind, nodes, numbers[start : start + len(nodes)])
         for (kind, nodes), start in zip(blocks, first[:-1].tolist(), strict=True)
     )
     points = np.asarray(mesh.points, dtype=float)
     points = np.hstack([points, np.zeros((len(points), 3 - points.shape[1]))])
+    n_points = len(points)
     return OutsideMesh(
         path=str(path),
         points=points,
-        numbers=_numbers(path, "Nodes", len(points)),
+        numbers=_numbers(path, "Nodes", n_points) if numbered else 1 + np.arange(n_points),
         elements=elements,
         element_sets={name: numbers[members - 1] for name, members in _element_sets(mesh)},
         node_sets=_node_sets(mesh),

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from tyrefrf.arrays import FloatArray, IntArray
 
@@ -45,3 +49,28 @@ class OutsideMesh:
     element_sets: Mapping[str, IntArray]
     node_sets: Mapping[str, IntArray]
     surfaces: Mapping[str, IntArray]
+
+    def digest(self) -> str:
+        """SHA-256 of all that it holds, but for the path; the order of the sets does not count."""
+        digest = hashlib.sha256()
+        for name, array in self._arrays():
+            plain = array.astype("<f8" if np.issubdtype(array.dtype, np.floating) else "<i8")
+            digest.update(json.dumps([name, plain.shape]).encode())
+            digest.update(plain.tobytes())
+        return digest.hexdigest()
+
+    def _arrays(self) -> Iterator[tuple[list[str], FloatArray | IntArray]]:
+        """Every array, and what it is."""
+        yield ["points"], self.points
+        yield ["numbers"], self.numbers
+        for block in self.elements:
+            yield ["nodes", block.kind], block.nodes
+            yield ["numbers", block.kind], block.numbers
+        sets = {
+            "element_sets": self.element_sets,
+            "node_sets": self.node_sets,
+            "surfaces": self.surfaces,
+        }
+        for kind, named in sets.items():
+            for name in sorted(named):
+                yield [kind, name], named[name]

@@ -39,10 +39,14 @@ def read_mesh(path: Path, source: MeshFile) -> OutsideMesh:
     """
     if not path.is_file():
         raise MeshError(f"{path}: {'is no file' if path.exists() else 'there is no such file'}")
-    mesh = READERS.get(path.suffix.lower(), read_by_meshlane)(path)
+    return as_said(READERS.get(path.suffix.lower(), read_by_meshlane)(path), source)
+
+
+def as_said(mesh: OutsideMesh, source: MeshFile) -> OutsideMesh:
+    """A mesh in its own unit and axes, turned, scaled and with sets as `read_mesh` has it."""
     points = mesh.points[:, XYZ[source.axis]] * METRES[source.unit]
     used = np.unique(np.concatenate([block.nodes.ravel() for block in mesh.elements]))
-    _refuse_wrong_unit(path, points[used] if len(used) else points, source)
+    _refuse_wrong_unit(mesh.path, points[used] if len(used) else points, source)
     node_sets = {**_on_lines(mesh), **mesh.node_sets}
     element_sets = {"EALL": np.concatenate([e.numbers for e in mesh.elements]), **mesh.element_sets}
     return replace(mesh, points=points, node_sets=node_sets, element_sets=element_sets)
@@ -62,7 +66,7 @@ def _on_lines(mesh: OutsideMesh) -> dict[str, IntArray]:
     }
 
 
-def _refuse_wrong_unit(path: Path, points: FloatArray, source: MeshFile) -> None:
+def _refuse_wrong_unit(path: str, points: FloatArray, source: MeshFile) -> None:
     """Raise MeshError where the largest radius is no tyre's."""
     low, high = PLAUSIBLE
     radius = float(np.hypot(points[:, 0], points[:, 2]).max(initial=0.0))

@@ -52,8 +52,7 @@ class Deflection:
     @property
     def stem(self) -> str:
         """The name of its files: `radial_100Hz`; natural frequencies are rounded there."""
-        digits = 5 if self.load is None else 10
-        return f"{self.name}_{self.frequency:.{digits}g}Hz"
+        return field_stem(self.name, self.frequency, of_mode=self.load is None)
 
     @property
     def cartesian(self) -> ComplexArray:
@@ -85,6 +84,11 @@ class Deflection:
         decade = 10.0 ** floor(log10(factor))
         fits = (step for step in (5.0, 2.0, 1.0) if step * decade <= factor)
         return decade * next(fits, 1.0)
+
+
+def field_stem(name: str, frequency: float, *, of_mode: bool) -> str:
+    """The name of a motion's files, without what is after the dot."""
+    return f"{name}_{frequency:.{5 if of_mode else 10}g}Hz"
 
 
 def phase_of_most(u: ComplexArray) -> float:

@@ -152,7 +152,7 @@ def refined_case(case: Case, model: Model) -> Case:
         data["geometry"]["tread"]["grooves"]["elements_across"] = 2 * across
     data["loads"] = _kept(data["loads"], case.loads, model.loads)
     data["probes"] = _kept(data["probes"], case.probes, model.probes[len(model.loads) :])
-    return build_case(data, case.name).beside(case.directory)
+    return build_case(data, case.name).with_files_of(case)
 
 
 def _kept(

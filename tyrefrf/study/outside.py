@@ -3,18 +3,38 @@
 from __future__ import annotations
 
 from collections import Counter
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from tyrefrf.case import Case, CellFile, MeshFile, SectionFile, files_of
+from tyrefrf.case import Case, CellFile, MeshFile, SectionFile, files_of, load_case
 from tyrefrf.errors import CaseError, Problem
 from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.mesh.cell import CellMesh, revolve
+from tyrefrf.mesh.library import in_memory
 from tyrefrf.mesh.outside import OutsideMesh
 from tyrefrf.mesh.outside_cell import outside_cell
 from tyrefrf.mesh.outside_section import outside_section
-from tyrefrf.mesh.reader import read_mesh
+from tyrefrf.mesh.reader import as_said, read_mesh
+
+
+def with_mesh(case: Case | str | Path, mesh: Any) -> Case:
+    """A case whose mesh is in memory: `tyrefrf.run(tyrefrf.with_mesh("cell.toml", mesh))`.
+
+    mesh: a meshio.Mesh or meshlane.Mesh, or what has its points, cells, point_sets and cell_sets;
+    it is copied. It is taken in place of the file of the case's [mesh], whose name remains for
+    messages and need not exist; unit, axis, sets and materials are as that table says. Nodes and
+    elements count from 1 in their order. The case's hash has a digest of the mesh.
+    Raises CaseError for a case that is wrong or has no [mesh], MeshError for what is no mesh.
+    """
+    if not isinstance(case, Case):
+        case = load_case(case)
+    if case.mesh is None:
+        message = "missing; it says what the mesh's unit, axis and sets are"
+        raise CaseError([Problem(("mesh",), message)])
+    return case.holding(in_memory(mesh, case.mesh.file))
 
 
 def mesh_of_file(case: Case) -> CellMesh:
@@ -65,6 +85,8 @@ def _source(case: Case) -> SectionFile | CellFile:
 
 
 def _read(case: Case) -> OutsideMesh:
+    if isinstance(case.held_mesh, OutsideMesh):
+        return as_said(case.held_mesh, _source(case))
     file = next(file for file in files_of(case) if file.key == ("mesh", "file"))
     file.content()  # so that what is not there is said at the key
     return read_mesh(file.path, _source(case))

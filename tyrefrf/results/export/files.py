@@ -123,7 +123,7 @@ def export(
 def _wanted(results: Any, quantity: Quantity, reference: Reference | None) -> Wanted:
     if not isinstance(results, Exported):
         kind = type(results).__name__.lower()
-        raise ResultsError(f"holds {kind}, which has no export; give results of a run or a sweep")
+        raise ResultsError(f"holds {kind}, no responses; give results of a run or a sweep")
     index_of(quantity, get_args(Quantity), "quantity")
     return Wanted(results, quantity, reference or reference_of(quantity))
 
