@@ -76,6 +76,12 @@ def outside(
     )
 
 
+def number_of(written: OutsideMesh, mesh: CellMesh, node: int, angle: float = 0.0) -> int:
+    """The number of a cell's node where it is written, turned by an angle [rad]."""
+    place = _cartesian(mesh.points[[node]] + np.array([0.0, 0.0, angle]))
+    return int(written.numbers[np.argmin(np.linalg.norm(written.points - place, axis=1))])
+
+
 def inp(mesh: OutsideMesh, unit: float, axis: str) -> str:
     """The mesh as an Abaqus deck with lengths in `unit` [m] and the axle along x, y or z."""
     columns = {"x": [1, 2, 0], "y": [0, 1, 2], "z": [2, 0, 1]}[axis]  # right-handed, all three

@@ -48,6 +48,12 @@ def unplotted(monkeypatch):
     monkeypatch.setattr("tyrefrf.plots.draw_plots", lambda *_: [])
 
 
+def test_shapes_need_elements(command):
+    status, _, why = command("modes", "../brought.toml", "--count", "1", "--vtk", "1")
+    assert status == 2
+    assert "a case with [matrices] has none" in why
+
+
 def test_check_says_what_was_found(command):
     status, said, _ = command("check", "../brought.toml")
     mass = RING.n_cells * RING.cell.sparse(RING.cell.M)[1::3, 1::3].sum()
@@ -147,3 +153,12 @@ def test_the_hash_of_a_case_is_of_what_its_files_hold(directory, tmp_path):
     path = tmp_path / "copy/rim.txt"
     path.write_text(path.read_text() + "# another\n")
     assert case_hash(here) != case_hash(there)
+
+
+def test_a_run_warns_of_matrices_along_other_directions_than_said(command, directory, unplotted):
+    text = (directory / "brought.toml").read_text()
+    assert 'directions = "cartesian"' in text
+    (directory / "turned.toml").write_text(text.replace("cartesian", "cylindrical"))
+    _, _, said = command("run", "../turned.toml", "--output", str(directory / "turned"))
+    assert said.startswith("warning: ")
+    assert "rigid translations strain the cell" in said

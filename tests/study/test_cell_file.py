@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from outside import inp, outside
+from outside import inp, number_of, outside
 
 from tyrefrf.case import Case, load_case, parse_case
 from tyrefrf.errors import CaseError
@@ -89,10 +89,7 @@ def from_file(folder: Path, cell: CellMesh, element: str, entries: str, **how: s
 
 def file_number(cell: CellMesh, node: int) -> int:
     """The number in the deck of a cell's node: `outside` shuffles alike with one seed."""
-    mesh = outside(cell, 1, TURNED)
-    r, y, theta = cell.points[node]
-    there = [r * np.cos(theta + TURNED), y, r * np.sin(theta + TURNED)]
-    return int(mesh.numbers[np.argmin(np.linalg.norm(mesh.points - there, axis=1))])
+    return number_of(outside(cell, 1, TURNED), cell, node, TURNED)
 
 
 def on_cell(cell: CellMesh, entries: list[tuple[str, int, float, str]]) -> str:

@@ -82,12 +82,15 @@ def _only(wanted: Wanted, fitting: Sequence[str], reason: str) -> None:
 def _of_modes(modes: Modes, count: int, directory: Path) -> FieldPlan:
     from tyrefrf.cli.fields import field_files, shapes_to_files
     from tyrefrf.results.deflection import field_stem
+    from tyrefrf.study.model import build_mesh
 
+    case = build_case(tomllib.loads(modes.provenance.resolved_case), modes.provenance.case_name)
+    cell = None if case.geometry is None else build_mesh(case)
     lowest = modes.frequency[:count].tolist()
     stems = [field_stem(f"mode_{k}", f, of_mode=True) for k, f in enumerate(lowest, start=1)]
     return FieldPlan(
         tuple(path for stem in stems for path in field_files(stem, directory)),
-        lambda: (shapes_to_files(modes, count, directory, ()), []),
+        lambda: (shapes_to_files(modes, count, directory, (), cell), []),
     )
 
 

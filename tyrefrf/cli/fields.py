@@ -10,6 +10,7 @@ from typing import Any
 
 from tyrefrf.case import Case
 from tyrefrf.errors import CommandError
+from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.results import Modes
 from tyrefrf.results.deflection import Deflection
 from tyrefrf.results.names import file_names
@@ -72,14 +73,17 @@ def deflections_to_files(
 
 
 def shapes_to_files(
-    modes: Modes, count: int, directory: Path, formats: Sequence[str]
+    modes: Modes, count: int, directory: Path, formats: Sequence[str], cell: CellMesh | None
 ) -> list[Path]:
-    """Write and draw the shapes of the `count` lowest modes, or of all there are; the files."""
+    """Write and draw the shapes of the `count` lowest modes, or of all there are; the files.
+
+    cell: the case's mesh; needed where that is not the modes' section revolved.
+    """
     from tyrefrf.results.deflection import mode_deflection
 
     written: list[Path] = []
     for number in range(1, min(count, len(modes.frequency)) + 1):
-        written += field_to_files(mode_deflection(modes, number), directory, formats)
+        written += field_to_files(mode_deflection(modes, number, cell), directory, formats)
     return written
 
 

@@ -34,11 +34,12 @@ def modes_to_files(
     """Compute natural modes, write results and plots, print the table; the exit status, 0.
 
     vtk: of how many of the lowest modes the shapes are written as VTK files and drawn.
-    Raises CommandError where both `count` and `below` are given.
+    Raises CommandError where both `count` and `below` are given, or shapes of mere matrices.
     """
     from tyrefrf.cli.fields import check_fields, shapes_to_files
     from tyrefrf.plots import draw_plots
     from tyrefrf.results import write_modes
+    from tyrefrf.study.model import build_mesh
     from tyrefrf.study.modes import modes_of_case
 
     if count is not None and below is not None:
@@ -47,6 +48,8 @@ def modes_to_files(
     case, text = read_case(case_file, None)
     target = new_target(output, f"{case.name}_modes", force=force)
     if vtk:
+        if case.matrices is not None:
+            raise CommandError("--vtk draws elements; a case with [matrices] has none")
         check_fields(target.parent, ["mode"], force=force)
     with in_file(case_file, text):
         found = modes_of_case(
@@ -55,7 +58,8 @@ def modes_to_files(
     write_modes(target, found)
     formats = formats or case.output.plots
     drawn = draw_plots(found, target.parent / "plots", formats)
-    drawn += shapes_to_files(found, vtk, target.parent, formats)
+    if vtk:
+        drawn += shapes_to_files(found, vtk, target.parent, formats, build_mesh(case))
     facts = modes_summary(found, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_modes(facts))
     return 0

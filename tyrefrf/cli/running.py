@@ -51,6 +51,8 @@ def run_to_files(
 
         if case.output.deflections:
             check_fields(target.parent, load_names(case), force=force)
+        with in_file(case_file, text):
+            _warn_of_matrices(case)
         with progress_of(n_lines, case.name) as progress, in_file(case_file, text):
             results = run_case(case, jobs=workers, case_text=text, progress=progress)
         write_results(target, results)
@@ -116,6 +118,16 @@ def _certified(case: Case, results: Results, workers: Executor) -> Results:
     print(plan.words(workers.jobs), file=sys.stderr)
     with progress_of(plan.n_lines, f"{case.name}, certify") as progress:
         return certified(plan, workers, progress)
+
+
+def _warn_of_matrices(case: Case) -> None:
+    """Say on stderr, before anything is solved, what may be a mistake in a case's own matrices."""
+    if case.matrices is None:
+        return
+    from tyrefrf.study.brought import bring_matrices
+
+    for warning in bring_matrices(case).warnings:
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def status_of(facts: dict[str, Any]) -> int:

@@ -106,12 +106,14 @@ def at_phase(u: ComplexArray, phase: float) -> FloatArray:
     return np.asarray((u * np.exp(1j * phase)).real)
 
 
-def mode_deflection(modes: Modes, number: int) -> Deflection:
+def mode_deflection(modes: Modes, number: int, cell: CellMesh | None = None) -> Deflection:
     """The whole ring in one of its modes, number 1 being the lowest.
 
     Of a pair, the real and the imaginary part are its two members, standing waves that differ by
-    a quarter of a wavelength; together they run around. Raises ResultsError for a mode that is
-    not there.
+    a quarter of a wavelength; together they run around.
+
+    cell: the case's own, needed where it is no whole section revolved: with grooves, from a file.
+    Raises ResultsError for a mode that is not there, or where the modes are not of this cell.
     """
     if not 1 <= number <= len(modes.frequency):
         raise ResultsError(f"no mode {number}; there are: 1 to {len(modes.frequency)}")
@@ -124,16 +126,25 @@ def mode_deflection(modes: Modes, number: int) -> Deflection:
         frequency=float(modes.frequency[i]),
         u=(turned[:, None, None] * modes.shape[i]).reshape(-1, 3),
         residual=float(modes.residual[i]),
-        mesh=RingMesh.of(_cell_of(modes), N),
+        mesh=RingMesh.of(_cell_of(modes, cell), N),
         provenance=modes.provenance,
     )
 
 
-def _cell_of(modes: Modes) -> CellMesh:
-    """The cell that the modes' section was revolved into. Raises ResultsError where it was not."""
+def _cell_of(modes: Modes, cell: CellMesh | None) -> CellMesh:
+    """The cell of the modes; by default what their section was revolved into.
+
+    Raises ResultsError where it is not.
+    """
+    if cell is not None:
+        if not np.array_equal(cell.points[: cell.n_own], modes.points):
+            raise ResultsError("the modes' points are not those of the cell")
+        return cell
     step = 2 if modes.section.quads.shape[1] == 8 else 1
     layers = len(np.unique(modes.points[:, 2])) // step
     mesh = revolve(modes.section, modes.provenance.sector_angle, layers)
     if not np.array_equal(mesh.points[: mesh.n_own], modes.points):
-        raise ResultsError("the modes' points are not those of the section revolved")
+        raise ResultsError(
+            "the modes' points are not those of the section revolved; give their cell"
+        )
     return mesh

@@ -247,6 +247,17 @@ def _displacement(mesh: Nodes, column: csc_array) -> csc_array:
     return csc_array((column.data[moves], column.indices[moves], indptr), shape=column.shape)
 
 
+def _reach(surface: Surface, point: OnSurface) -> None:
+    """Raises MeshError, naming the region's point, where it is over a groove."""
+    try:
+        surface.spots(np.array([point.s]), np.deg2rad([point.angle]))
+    except MeshError as error:
+        raise MeshError(
+            f"point {point.name!r} of the region, s = {point.s:.4g}: {error}; see to the region's "
+            "s, angle and count, or take the inner surface"
+        ) from None
+
+
 def _finder(mesh: CellMesh | NodeCell) -> _Finder | NodeFinder:
     return NodeFinder(mesh) if isinstance(mesh, NodeCell) else _Finder(mesh)
 
@@ -265,8 +276,14 @@ class _Finder:
         points = list(point.points())
         if not self.mesh.is_revolved:
             raise MeshError(self._only_nodes(points[0]))
+        surface = self.surfaces[point.surface]
         s, degrees = np.array([(one.s, one.angle) for one in points]).T
-        spots = self.surfaces[point.surface].spots(s, np.deg2rad(degrees))
+        try:
+            spots = surface.spots(s, np.deg2rad(degrees))
+        except MeshError:
+            for one in points:  # the first that is over a groove says so itself
+                _reach(surface, one)
+            raise
         return [self._in_region(one, spots.one(k)) for k, one in enumerate(points)]
 
     def find(self, point: Point) -> Placed:
