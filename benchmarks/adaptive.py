@@ -61,7 +61,9 @@ def _row(name: str, step: float, words: str, eta: float | None) -> list[str]:
 
 def _case(name: str, step: float, eta: float | None) -> Case:
     case = load_case(CASES / f"{name}.toml")
-    frequency = case.frequency.model_copy(update={"start": 0.0, "stop": 2000.0, "step": step})
+    frequency = case.frequency.model_copy(
+        update={"start": 0.0, "stop": 2000.0, "step": step, "adaptive": False}
+    )
     materials = {
         key: stuff if eta is None else stuff.model_copy(update={"eta": eta})
         for key, stuff in case.materials.items()
