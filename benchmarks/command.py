@@ -68,7 +68,11 @@ class Family:
         self._members, self._strangers = {pid}, {1}
 
     def resident(self) -> Iterator[tuple[int, int]]:
-        """Resident memory and its high-water mark [bytes] of the process, then of the others."""
+        """Memory and high-water mark [bytes] of the process, then of the others.
+
+        Of a page that n processes share, each has an n-th (proportional set size); the mark
+        counts it in full.
+        """
         numbers = {int(folder.name) for folder in Path("/proc").glob("[0-9]*")}
         for number in sorted(numbers - self._strangers):
             try:
@@ -78,10 +82,20 @@ class Family:
             facts = dict(line.split(":", 1) for line in text.splitlines())
             if number == self.pid or int(facts["PPid"]) in self._members:
                 self._members.add(number)
-                now, mark = (facts.get(key, "0 kB").split()[0] for key in ("VmRSS", "VmHWM"))
-                yield 1024 * int(now), 1024 * int(mark)
+                mark = facts.get("VmHWM", "0 kB").split()[0]
+                yield _proportional(number), 1024 * int(mark)
             elif number not in self._members:  # those of the family that outlive it stay
                 self._strangers.add(number)
+
+
+def _proportional(number: int) -> int:
+    """Proportional set size of a process [bytes]; 0 where it has ended."""
+    try:
+        text = Path(f"/proc/{number}/smaps_rollup").read_text()
+    except OSError:
+        return 0
+    sizes = [line.split()[1] for line in text.splitlines() if line.startswith("Pss:")]
+    return 1024 * int(sizes[0]) if sizes else 0
 
 
 def run_case_file(case: Case, directory: Path, *options: str, watch: bool = False) -> Outcome:

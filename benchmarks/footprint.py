@@ -35,7 +35,7 @@ def measured() -> str:
         rows.append(_row(case, "adaptive" if adaptive else "all lines", 2, runs))
     header = ["case", "solver", "lines", "solved", "jobs", "wall [s]", "main process [MB]"]
     header += ["all processes [MB]", "results [MB]", "with plots [MB]", "residual"]
-    head = "`tyrefrf run`, plots and all; pages that processes share count in each of them."
+    head = "`tyrefrf run`, plots and all; a page that processes share counts once in all of them."
     return f"{head}\n\n" + table(header, rows)
 
 
