@@ -52,7 +52,7 @@ def main() -> None:
     for title, measured in SECTIONS.items():
         print(title, flush=True)
         found[title] = measured()
-    (HERE / "RESULTS.md").write_text(page(origin, found), encoding="utf-8")
+        (HERE / "RESULTS.md").write_text(page(origin, found), encoding="utf-8")
     readme = HERE.parent / "README.md"
     text = readme.read_text(encoding="utf-8")
     readme.write_text(with_tables(text, origin, found), encoding="utf-8")
