@@ -6,12 +6,13 @@ import os
 import re
 import tempfile
 import threading
+import time
 import weakref
 from collections.abc import Callable
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from functools import lru_cache, wraps
+from functools import lru_cache, partial, wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 from uuid import uuid4
@@ -26,6 +27,7 @@ KEPT = 2
 """Functions that a process keeps, with their solvers: one that ends, one that begins."""
 
 IDLE = 300.0  # seconds after which an idle process ends
+SECONDS_ORPHANED = 1.0  # that a process works on whose parent was killed
 
 ONE_THREAD = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
@@ -121,6 +123,7 @@ class Local:
             import joblib
 
             path = Path(tempfile.gettempdir()) / f"tyrefrf-{uuid4().hex}"
+            _removed_in_any_case(path)
             weakref.finalize(make, _remove, path)
             joblib.dump(make, path)
             self._files[make] = path
@@ -148,10 +151,11 @@ class Local:
 def _processes(jobs: int) -> Any:
     from joblib.externals.loky import ProcessPoolExecutor
 
-    return ProcessPoolExecutor(jobs, timeout=IDLE, initializer=_begin, env=ONE_THREAD)
+    begin = partial(_begin, os.getpid())
+    return ProcessPoolExecutor(jobs, timeout=IDLE, initializer=begin, env=ONE_THREAD)
 
 
-def _begin() -> None:
+def _begin(parent: int) -> None:
     """What a new process does first: import all that computes, beside the one that wants it.
 
     What it keeps would be taken for a leak by loky, which ends a process that has grown by 300 MB
@@ -161,7 +165,9 @@ def _begin() -> None:
     import gc
     import signal
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's, who then ends this
+    for ends in (signal.SIGINT, signal.SIGTERM):  # the parent's, who keeps what there is, and
+        signal.signal(ends, signal.SIG_IGN)  # then ends this; a group of processes gets them too
+    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     from joblib.externals.loky import process_executor
 
     import tyrefrf.study.spectrum  # noqa: F401
@@ -169,6 +175,13 @@ def _begin() -> None:
     process_executor._USE_PSUTIL = False
     one_blas_thread()
     gc.freeze()
+
+
+def _end_with(parent: int) -> None:
+    """End this process when the one that started it is there no more: nobody else would."""
+    while os.getppid() == parent:
+        time.sleep(SECONDS_ORPHANED)
+    os._exit(1)
 
 
 def one_blas_thread() -> None:
@@ -204,6 +217,16 @@ class _Kept(threading.local):
 _kept = _Kept()
 
 
+def _removed_in_any_case(path: Path) -> None:
+    """Have loky's tracker, which outlives this process, remove a file if this process is killed."""
+    from joblib.externals.loky.backend import resource_tracker
+
+    resource_tracker.register(str(path), "file")
+
+
 def _remove(path: Path) -> None:
+    from joblib.externals.loky.backend import resource_tracker
+
     with suppress(OSError):  # Windows keeps what is mapped
         path.unlink(missing_ok=True)
+        resource_tracker.unregister(str(path), "file")
