@@ -34,7 +34,8 @@ def command(tmp_path, monkeypatch, capsys):
 
 
 def names(directory):
-    return sorted(path.name for path in directory.iterdir())
+    """Files and directories, without those that `ls` hides: the lock."""
+    return sorted(path.name for path in directory.glob("[!.]*"))
 
 
 def test_run_writes_every_load_at_every_frequency_and_says_so(command, tmp_path):

@@ -157,7 +157,7 @@ def test_only_the_line_that_kills_its_worker_fails(workers, alone, monkeypatch):
     monkeypatch.setattr(
         spectrum, "prepare", lambda problem, *_: partial(deadly.DeadlyAbove, problem)
     )
-    monkeypatch.setattr(spectrum, "_chunk_length", lambda *_: 2)  # 150 Hz beside 420 Hz
+    monkeypatch.setattr(spectrum.Pace, "chunks", lambda _, lines: [lines[:2], lines[2:]])
     results = run_case(case_with(), jobs=workers)
     assert results.solved.tolist() == [True, True, True, False]
     np.testing.assert_array_equal(results.receptance[..., :3], alone.receptance[..., :3])

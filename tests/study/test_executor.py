@@ -52,7 +52,7 @@ def deadly_above_400_hz(monkeypatch):
     monkeypatch.setattr(
         spectrum, "prepare", lambda problem, *_: partial(deadly.DeadlyAbove, problem)
     )
-    monkeypatch.setattr(spectrum, "_chunk_length", lambda *_: 2)  # 150 Hz beside 420 Hz
+    monkeypatch.setattr(spectrum.Pace, "chunks", lambda _, lines: [lines[:2], lines[2:]])
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -155,14 +155,6 @@ def test_all_points_share_one_pool(monkeypatch):
     assert pools == [(3, 12)]
 
 
-@pytest.mark.parametrize(
-    ("lines", "points", "jobs", "length"),
-    [(401, 1, 2, 26), (401, 3, 2, 26), (401, 20, 2, 62), (4, 1000, 2, 4), (1, 1, 8, 1)],
-)
-def test_chunks_are_short_enough_to_end_together(lines, points, jobs, length):
-    assert spectrum._chunk_length(lines, points, jobs) == length
-
-
 def test_bad_points_are_refused_before_anything_is_solved(monkeypatch):
     monkeypatch.setattr(spectrum, "map_unordered", lambda *_: pytest.fail("solved"))
     case = case_with(("s = 0.5\n", "node = 12\n"))

@@ -60,7 +60,8 @@ def compare_to_files(case_file: Path | None, asked: Asked) -> int:
     """Compare solvers, write results, table and plots, print the table; the exit status."""
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.cli.report import as_json
-    from tyrefrf.cli.running import in_file, new_target, read_case, status_of
+    from tyrefrf.cli.running import in_file, read_case, status_of
+    from tyrefrf.cli.target import new_target
     from tyrefrf.plots import draw_plots
     from tyrefrf.results import write_comparison
     from tyrefrf.study.compare import known_solvers, run_comparison, with_lines
@@ -68,21 +69,21 @@ def compare_to_files(case_file: Path | None, asked: Asked) -> int:
     start = time.perf_counter()
     solvers = known_solvers(asked.solvers)
     case, text = read_case(case_file, None)
-    directory = asked.output or Path("results") / case.name
-    target = new_target(directory, f"{case.name}_comparison", force=asked.force)
     n_lines = len(with_lines(case, asked.lines).frequency.lines())
-    with in_file(case_file, text):
-        print(cost_text(case, solvers, asked.lines), file=sys.stderr, flush=True)
-        comparison = run_comparison(
-            case,
-            solvers,
-            lines=asked.lines,
-            case_text=text,
-            watch=lambda solver: progress_of(n_lines, f"{case.name}, {solver}"),
-        )
-    write_comparison(target, comparison)
-    table = write_table(target.with_suffix(".md"), comparison)
-    drawn = draw_plots(comparison, target.parent / "plots", asked.formats or case.output.plots)
+    directory = asked.output or Path("results") / case.name
+    with new_target(directory, f"{case.name}_comparison", force=asked.force) as target:
+        with in_file(case_file, text):
+            print(cost_text(case, solvers, asked.lines), file=sys.stderr, flush=True)
+            comparison = run_comparison(
+                case,
+                solvers,
+                lines=asked.lines,
+                case_text=text,
+                watch=lambda solver: progress_of(n_lines, f"{case.name}, {solver}"),
+            )
+        write_comparison(target, comparison)
+        table = write_table(target.with_suffix(".md"), comparison)
+        drawn = draw_plots(comparison, target.parent / "plots", asked.formats or case.output.plots)
     facts = comparison_summary(comparison, [target, table, *drawn])
     facts["seconds"] = time.perf_counter() - start
     typer.echo(as_json(facts) if asked.json else describe_comparison(facts))

@@ -11,7 +11,8 @@ import numpy as np
 import typer
 
 from tyrefrf.cli.report import as_json, number_text
-from tyrefrf.cli.running import in_file, new_target, read_case, status_of, workers_of
+from tyrefrf.cli.running import in_file, read_case, status_of, workers_of
+from tyrefrf.cli.target import new_target
 from tyrefrf.results import Dispersion
 from tyrefrf.results.dispersion import NEPER
 
@@ -45,23 +46,23 @@ def dispersion_to_files(
 
     start = time.perf_counter()
     case, text = read_case(case_file, None)
-    target = new_target(output, f"{case.name}_dispersion", force=force)
-    with (
-        workers_of(jobs, scheduler, lines) as workers,
-        progress_of(lines, case.name) as progress,
-        in_file(case_file, text),
-    ):
-        found = dispersion_of(
-            case,
-            lines=lines,
-            decay=decay,
-            at_rest=at_rest,
-            jobs=workers,
-            case_text=text,
-            progress=progress,
-        )
-    write_dispersion(target, found)
-    drawn = draw_plots(found, target.parent / "plots", formats or case.output.plots)
+    with new_target(output, f"{case.name}_dispersion", force=force) as target:
+        with (
+            workers_of(jobs, scheduler, lines) as workers,
+            progress_of(lines, case.name) as progress,
+            in_file(case_file, text),
+        ):
+            found = dispersion_of(
+                case,
+                lines=lines,
+                decay=decay,
+                at_rest=at_rest,
+                jobs=workers,
+                case_text=text,
+                progress=progress,
+            )
+        write_dispersion(target, found)
+        drawn = draw_plots(found, target.parent / "plots", formats or case.output.plots)
     facts = dispersion_summary(found, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_dispersion(facts))
     return status_of(facts)

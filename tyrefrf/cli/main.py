@@ -14,6 +14,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from tyrefrf.cli.interrupt import Interrupted, heeding_signals
 from tyrefrf.cli.sweeping import InOrder
 from tyrefrf.errors import CaseError, CommandError, MeshError, TyreFRFError
 from tyrefrf.study.local import ONE_THREAD
@@ -77,6 +78,13 @@ SolverOption = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="One JSON object on stdout, nothing else.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Go on with a run that was ended: only the lines that are missing or failed.",
+    ),
+]
 Formats = Annotated[
     Optional[list[PlotFormat]],  # noqa: UP045
     typer.Option("--format", help="Plot format instead of the case's; may be repeated."),
@@ -101,6 +109,7 @@ def run(
             help="Solve a sample of the lines by another solver, and by cells of half the angle.",
         ),
     ] = False,
+    resume: Resume = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -109,7 +118,12 @@ def run(
     Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary with the proof of every line:
     its residual, passivity and reciprocity. A line whose process is killed is tried once more; what
     kills it again is a failed line, and the others are kept. Exits 0 when every line has its
-    answer and proof, 1 when some have not, 2 when the case is wrong.
+    answer and proof, 1 when some have not, 2 when the case is wrong, 130 or 143 when it is
+    interrupted by Ctrl-C or by SIGTERM.
+
+    Every line is in DIR/<case name>.journal as soon as it is solved: whatever ends the run, even
+    kill -9, --resume computes only the rest, and info and plot show what is there so far. It starts
+    from the beginning where nothing is there, and is refused where the case has changed.
 
     More than one machine: dask scheduler; dask worker ADDRESS --nworkers 8 --nthreads 1 on each;
     then --scheduler ADDRESS. Needs pip install "tyrefrf[cluster]". On SLURM, dask-jobqueue
@@ -121,6 +135,7 @@ def run(
       tyrefrf run case.toml
       tyrefrf run case.toml --solver cyclic --jobs 1 --format png --format pdf
       tyrefrf run case.toml --certify
+      tyrefrf run case.toml --resume
       tyrefrf run case.toml --scheduler tcp://host:8786
       tyrefrf run case.toml --json > summary.json
     """
@@ -135,6 +150,7 @@ def run(
             scheduler,
             _names(formats),
             certify=certify,
+            resume=resume,
             force=force,
             json=json,
         )
@@ -179,6 +195,7 @@ def sweep(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     formats: Formats = None,
+    resume: Resume = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -186,7 +203,8 @@ def sweep(
 
     Without values, a parameter takes those of the case's [sweep] table. Several parameters make
     a grid. All points are checked before the first is computed. Writes DIR/<case name>_sweep.h5
-    with the parameters as leading dimensions, and DIR/plots/. Exits as run does.
+    with the parameters as leading dimensions, and DIR/plots/. Exits, and can be gone on with, as
+    run does.
 
     For example:
 
@@ -194,6 +212,7 @@ def sweep(
       tyrefrf sweep --param E_rubber
       tyrefrf sweep case.toml --param E_rubber --values "14,28,56 MPa"
       tyrefrf sweep case.toml --param sector_angle --values 4,8 --param eta_rubber --log 0.01:1:5
+      tyrefrf sweep case.toml --param E_rubber --values "14,28,56 MPa" --resume
     """
     from tyrefrf.cli.sweeping import sweep_to_files
 
@@ -207,6 +226,7 @@ def sweep(
             jobs,
             scheduler,
             _names(formats),
+            resume=resume,
             force=force,
             json=json,
         )
@@ -587,7 +607,10 @@ def main() -> None:
     for variable, one in ONE_THREAD.items():
         os.environ.setdefault(variable, one)
     try:
-        app()
+        with heeding_signals():
+            app()
+    except Interrupted as interrupt:
+        _fail(interrupt, interrupt.status)
     except (CaseError, MeshError, CommandError) as error:
         _fail(error, 2)
     except TyreFRFError as error:
@@ -596,7 +619,7 @@ def main() -> None:
         _fail(error, 1)
 
 
-def _fail(error: Exception, status: int) -> None:
+def _fail(error: BaseException, status: int) -> None:
     """Say what went wrong on stderr and exit."""
     print(error, file=sys.stderr)
     sys.exit(status)

@@ -10,7 +10,8 @@ from typing import Any
 import typer
 
 from tyrefrf.cli.report import as_json, number_text
-from tyrefrf.cli.running import in_file, new_target, read_case
+from tyrefrf.cli.running import in_file, read_case
+from tyrefrf.cli.target import new_target
 from tyrefrf.errors import CommandError
 from tyrefrf.results import Modes
 
@@ -46,20 +47,20 @@ def modes_to_files(
         raise CommandError("give either --count or --below, not both")
     start = time.perf_counter()
     case, text = read_case(case_file, None)
-    target = new_target(output, f"{case.name}_modes", force=force)
-    if vtk:
-        if case.matrices is not None:
-            raise CommandError("--vtk draws elements; a case with [matrices] has none")
-        check_fields(target.parent, ["mode"], force=force)
-    with in_file(case_file, text):
-        found = modes_of_case(
-            case, count=count, below=below, at=at, at_rest=at_rest, case_text=text
-        )
-    write_modes(target, found)
+    if vtk and case.matrices is not None:
+        raise CommandError("--vtk draws elements; a case with [matrices] has none")
     formats = formats or case.output.plots
-    drawn = draw_plots(found, target.parent / "plots", formats)
-    if vtk:
-        drawn += shapes_to_files(found, vtk, target.parent, formats, build_mesh(case))
+    with new_target(output, f"{case.name}_modes", force=force) as target:
+        if vtk:
+            check_fields(target.parent, ["mode"], force=force)
+        with in_file(case_file, text):
+            found = modes_of_case(
+                case, count=count, below=below, at=at, at_rest=at_rest, case_text=text
+            )
+        write_modes(target, found)
+        drawn = draw_plots(found, target.parent / "plots", formats)
+        if vtk:
+            drawn += shapes_to_files(found, vtk, target.parent, formats, build_mesh(case))
     facts = modes_summary(found, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_modes(facts))
     return 0

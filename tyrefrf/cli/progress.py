@@ -11,17 +11,20 @@ SECONDS_BETWEEN_LINES = 5.0
 
 
 @contextmanager
-def progress_of(n_lines: int, what: str) -> Iterator[Callable[[int], None]]:
-    """Give a function to call with the number of frequency lines just finished."""
+def progress_of(n_lines: int, what: str, there: int = 0) -> Iterator[Callable[[int], None]]:
+    """Give a function to call with the number of frequency lines just finished.
+
+    there: how many were finished before.
+    """
     if sys.stderr.isatty():
-        with _bar(n_lines, what) as advance:
+        with _bar(n_lines, what, there) as advance:
             yield advance
     else:
-        yield _Log(n_lines, what)
+        yield _Log(n_lines, what, there)
 
 
 @contextmanager
-def _bar(n_lines: int, what: str) -> Iterator[Callable[[int], None]]:
+def _bar(n_lines: int, what: str, there: int) -> Iterator[Callable[[int], None]]:
     """A rich progress bar."""
     from rich.console import Console
     from rich.progress import (
@@ -43,11 +46,11 @@ def _bar(n_lines: int, what: str) -> Iterator[Callable[[int], None]]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=n_lines, rate="")
+        task = bar.add_task(what, total=n_lines, completed=there, rate="")
         start = time.perf_counter()
 
         def advance(n: int) -> None:
-            done = bar.tasks[0].completed + n
+            done = bar.tasks[0].completed + n - there
             rate = done / (time.perf_counter() - start)
             bar.update(task, advance=n, rate=f"{rate:.1f} lines/s")
 
@@ -57,8 +60,8 @@ def _bar(n_lines: int, what: str) -> Iterator[Callable[[int], None]]:
 class _Log:
     """A line every few seconds, and at the end."""
 
-    def __init__(self, n_lines: int, what: str) -> None:
-        self.n_lines, self.what, self.done = n_lines, what, 0
+    def __init__(self, n_lines: int, what: str, there: int) -> None:
+        self.n_lines, self.what, self.there, self.done = n_lines, what, there, there
         self.start = self.last = time.perf_counter()
 
     def __call__(self, n: int) -> None:
@@ -67,7 +70,7 @@ class _Log:
         if now - self.last < SECONDS_BETWEEN_LINES and self.done < self.n_lines:
             return
         self.last = now
-        rate = self.done / (now - self.start)
+        rate = (self.done - self.there) / (now - self.start)
         left = (self.n_lines - self.done) / rate
         print(
             f"{self.what}: {self.done}/{self.n_lines} lines, {rate:.1f} lines/s, {left:.0f} s left",

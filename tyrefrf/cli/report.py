@@ -17,6 +17,7 @@ from tyrefrf.results import Results, StaticState, agreements
 from tyrefrf.results.derived import regions_of, single_probes
 from tyrefrf.results.measured import LEAST
 from tyrefrf.results.proof import MEASURES, TRUNCATED, Worst, breaches
+from tyrefrf.results.results import MISSING
 from tyrefrf.study.estimate import Estimate
 
 MOST_NAMED = 10  # breaches, or pairs of load and probe, on the screen; JSON has all
@@ -38,6 +39,7 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "cells": origin.n_cells,
         **origin.numbers,
         "lines": len(results.frequency),
+        "missing_lines": results.n_missing,
         "first_frequency": float(results.frequency[0]),
         "last_frequency": float(results.frequency[-1]),
         "loads": [place.label for place in results.loads],
@@ -50,7 +52,7 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
         "certificate": _certificate(results),
         "measured": [asdict(one) for one in agreements(results)],
         "adaptive": adaptive_words(origin.numbers, len(results.frequency)),
-        "seconds_per_line": float(np.nanmedian(results.solve_time)),
+        "seconds_per_line": median(results.solve_time),
         "failed": [
             remark for remark, failed in zip(results.remark, results.failed, strict=True) if failed
         ],
@@ -59,7 +61,7 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
             for frequency, remark, failed in zip(
                 results.frequency, results.remark, results.failed, strict=True
             )
-            if remark and not failed
+            if remark and not failed and remark != MISSING
         ],
         "files": [str(path) for path in files],
     }
@@ -97,12 +99,12 @@ def _certificate(results: Results) -> dict[str, Any] | None:
             {
                 "load": results.loads[i].name,
                 "probe": results.probes[j].name,
-                "median": _median(change[i, j]),
+                "median": median(change[i, j]),
                 "largest": _largest(change[i, j]),
             }
             for i, j in named
         ],
-        "median_level_change": _median(change),
+        "median_level_change": median(change),
         "largest_level_change": _largest(change),
         "left_out": certificate.left_out,
     }
@@ -114,7 +116,8 @@ def _largest(values: FloatArray) -> float | None:
     return float(values.max()) if values.size else None
 
 
-def _median(values: FloatArray) -> float | None:
+def median(values: FloatArray) -> float | None:
+    """Of those that are numbers; None where there is none."""
     values = values[~np.isnan(values)]
     return float(np.median(values)) if values.size else None
 
@@ -167,8 +170,8 @@ def describe_run(facts: dict[str, Any]) -> str:
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
         *([f"  adaptive  {facts['adaptive']}"] if facts["adaptive"] else []),
-        f"  time      {facts['seconds']:.1f} s in all, "
-        f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
+        *resumed_lines(facts),
+        time_line(facts),
         *picked_lines(facts),
         *proof_lines(facts),
         *_certificate_lines(facts),
@@ -283,6 +286,26 @@ def _decibels(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f} dB"
 
 
+def time_line(facts: dict[str, Any]) -> str:
+    """What a run or sweep took, if it has ended, and what its lines did."""
+    each, in_all = facts["seconds_per_line"], facts.get("seconds")
+    per_line = "-" if each is None else f"{1e3 * each:.3g} ms"
+    words = "" if in_all is None else f"{in_all:.1f} s in all, "
+    return f"  time      {words}{per_line} per line ({facts['solver']})"
+
+
+def resumed_lines(facts: dict[str, Any]) -> list[str]:
+    """How many lines an earlier run had solved, if one was gone on with."""
+    n_lines = facts.get("resumed_lines")
+    return [f"  resumed   {n_lines} lines were there"] if n_lines else []
+
+
+def missing_lines(n_missing: int) -> list[str]:
+    """How much is missing of a run that was ended, if anything."""
+    again = "--resume computes them"
+    return [f"  MISSING   {n_missing} lines, not solved yet; {again}"] if n_missing else []
+
+
 def first_of(texts: Sequence[str]) -> list[str]:
     """The first of many lines, and how many more there are."""
     rest = len(texts) - MOST_NAMED
@@ -300,6 +323,7 @@ def describe(results: Results) -> str:
         f"  tyre      {origin.n_cells} cells of {np.rad2deg(origin.sector_angle):.6g} degrees",
         f"  lines     {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz, {results.n_failed} failed",
+        *missing_lines(facts["missing_lines"]),
         *([f"  adaptive  {facts['adaptive']}"] if facts["adaptive"] else []),
         *proof_lines(facts),
         *_certificate_lines(facts),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from tyrefrf.case import Case, Solver, builtin_text, parse_case, read_text, with_lines
+from tyrefrf.cli.target import new_target
 from tyrefrf.errors import CaseError, CommandError, MeshError
 
 if TYPE_CHECKING:
@@ -29,43 +30,69 @@ def run_to_files(
     formats: Sequence[str],
     *,
     certify: bool = False,
+    resume: bool = False,
     force: bool,
     json: bool,
 ) -> int:
-    """Run a case, write results and plots, print the summary; the exit status, 0 or 1."""
+    """Run a case, write results and plots, print the summary; the exit status, 0 or 1.
+
+    resume: whether lines that an earlier run has solved are taken from its journal or results.
+    """
     from tyrefrf.cli.exporting import check_exports, exported
 
     start = time.perf_counter()
     case, text = read_case(case_file, solver)
     check_exports(case.output.export)
-    target = new_target(output, case.name, force=force)
-    n_lines = len(case.frequency.lines())
-    with workers_of(jobs, scheduler, n_lines) as workers:
-        # Imported while the processes start.
-        from tyrefrf.cli.fields import check_fields, deflections_to_files, load_names
-        from tyrefrf.cli.progress import progress_of
-        from tyrefrf.cli.report import as_json, describe_run, summary
-        from tyrefrf.plots import draw_plots
-        from tyrefrf.results import write_results
-        from tyrefrf.study.run import run_case
+    with new_target(output, case.name, force=force, resume=resume) as target:
+        n_lines = len(case.frequency.lines())
+        with workers_of(jobs, scheduler, n_lines) as workers:
+            # Imported while the processes start.
+            from tyrefrf.cli.fields import check_fields, deflections_to_files, load_names
+            from tyrefrf.cli.report import as_json, describe_run, summary
+            from tyrefrf.plots import draw_plots
 
-        if case.output.deflections:
-            check_fields(target.parent, load_names(case), force=force)
-        with in_file(case_file, text):
-            _warn_of_matrices(case)
-        with progress_of(n_lines, case.name) as progress, in_file(case_file, text):
-            results = run_case(case, jobs=workers, case_text=text, progress=progress)
-        write_results(target, results)
-        if certify:
-            results = _certified(case, results, workers)
-            write_results(target, results)
-    drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
-    drawn += exported(results, target, case.output.export)
-    fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
+            if case.output.deflections:
+                check_fields(target.parent, load_names(case), force=force or resume)
+            with in_file(case_file, text):
+                _warn_of_matrices(case)
+                results = _solved(case, text, target, workers, resume=resume, certify=certify)
+        drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
+        drawn += exported(results, target, case.output.export)
+        fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
     facts = summary(results, [target, *drawn, *fields.files])
     facts |= {"deflections": fields.facts, "seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_run(facts))
     return status_of(facts)
+
+
+def _solved(
+    case: Case, text: str, target: Path, workers: Executor, *, resume: bool, certify: bool
+) -> Results:
+    """The results of a case, in their file; what an earlier run has solved is not solved again."""
+    from tyrefrf.cli.journal import is_done, journalled, take_up
+    from tyrefrf.cli.progress import progress_of
+    from tyrefrf.results import Results, write_results
+    from tyrefrf.study.run import run_case
+
+    case, left = take_up(target, case, Results) if resume else (case, None)
+    if left is not None and is_done(target, left):
+        results = left.results
+    else:
+        n_lines = len(case.frequency.lines())
+        with (
+            journalled(target, left) as journal,
+            progress_of(n_lines, case.name, len(journal.known)) as progress,
+        ):
+            results = run_case(
+                case, jobs=workers, case_text=text, progress=progress, record=journal
+            )
+            write_results(target, results)
+            journal.remove()
+    assert isinstance(results, Results)  # `take_up` saw to it
+    if certify and results.certificate is None:
+        results = _certified(case, results, workers)
+        write_results(target, results)
+    return results
 
 
 @contextmanager
@@ -92,21 +119,6 @@ def workers_of(jobs: int | None, scheduler: str | None, n_tasks: int) -> Iterato
 
     with cluster(scheduler) as workers:
         yield workers
-
-
-def new_target(output: Path | None, name: str, *, force: bool) -> Path:
-    """The results file of a run or sweep of that name, its directory made.
-
-    Raises CommandError where it exists and nothing may be replaced.
-    """
-    directory = output or Path("results") / name
-    target = directory / f"{name}.h5"
-    if target.exists() and not force:
-        raise CommandError(
-            f"{target} exists; --force replaces it, --output DIR writes somewhere else"
-        )
-    directory.mkdir(parents=True, exist_ok=True)
-    return target
 
 
 def _certified(case: Case, results: Results, workers: Executor) -> Results:

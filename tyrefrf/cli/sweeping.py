@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -16,9 +16,11 @@ from typer.core import TyperCommand
 from tyrefrf.errors import CaseError, CommandError
 
 if TYPE_CHECKING:
-    from tyrefrf.case import Case, Values
+    from tyrefrf.case import Case, Grid, Values
+    from tyrefrf.case.axis import Axis
     from tyrefrf.results import Results, SweepResults
     from tyrefrf.results.proof import Measure
+    from tyrefrf.study.executor import Executor
 
 Given = Sequence[tuple[str, str]]
 """Options with their texts in the order of the command line: ("param", "E_rubber"), ..."""
@@ -54,13 +56,18 @@ def sweep_to_files(
     scheduler: str | None,
     formats: Sequence[str],
     *,
+    resume: bool = False,
     force: bool,
     json: bool,
 ) -> int:
-    """Sweep a case, write results and plots, print the summary; the exit status, 0 or 1."""
+    """Sweep a case, write results and plots, print the summary; the exit status, 0 or 1.
+
+    resume: as `run_to_files`.
+    """
     from tyrefrf.case import make_grid
     from tyrefrf.cli.exporting import check_exports, exported
-    from tyrefrf.cli.running import new_target, read_case, status_of, workers_of
+    from tyrefrf.cli.running import read_case, status_of, workers_of
+    from tyrefrf.cli.target import new_target
 
     start = time.perf_counter()
     if case_file is None and Path("case.toml").exists():
@@ -70,26 +77,72 @@ def sweep_to_files(
     with _of_sweep(case_file):
         grid = make_grid(case, wanted)
     check_exports(case.output.export)
-    target = new_target(output, f"{case.name}_sweep", force=force)
-    n_points = len(grid.cases)
-    n_lines = n_points * len(case.frequency.lines())
-    with workers_of(jobs, scheduler, n_lines) as workers:
-        # Imported while the processes start.
-        from tyrefrf.cli.progress import progress_of
-        from tyrefrf.cli.report import as_json
-        from tyrefrf.plots import draw_plots
-        from tyrefrf.results import write_sweep
-        from tyrefrf.study.sweep import run_sweep
+    with new_target(output, f"{case.name}_sweep", force=force, resume=resume) as target:
+        n_lines = len(grid.cases) * len(case.frequency.lines())
+        with workers_of(jobs, scheduler, n_lines) as workers, _of_sweep(case_file):
+            # Imported while the processes start.
+            from tyrefrf.cli.report import as_json
+            from tyrefrf.plots import draw_plots
 
-        said = f"{case.name}, {n_points} points"
-        with progress_of(n_lines, said) as progress, _of_sweep(case_file):
-            sweep = run_sweep(grid, jobs=workers, case_text=text, progress=progress)
-    write_sweep(target, sweep)
-    drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
-    drawn += exported(sweep, target, case.output.export)
+            sweep = _solved(grid, wanted, text, target, workers, resume=resume)
+        drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
+        drawn += exported(sweep, target, case.output.export)
     facts = sweep_summary(sweep, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_sweep(facts))
     return status_of(facts)
+
+
+def _solved(
+    grid: Grid,
+    wanted: Mapping[str, Values | None],
+    text: str,
+    target: Path,
+    workers: Executor,
+    *,
+    resume: bool,
+) -> SweepResults:
+    """The results of a sweep, in their file; what an earlier one has solved is not solved again."""
+    from tyrefrf.case import make_grid
+    from tyrefrf.cli.journal import is_done, journalled, take_up
+    from tyrefrf.cli.progress import progress_of
+    from tyrefrf.results import SweepResults, write_sweep
+    from tyrefrf.study.sweep import run_sweep
+
+    case, left = take_up(target, grid.base, SweepResults) if resume else (grid.base, None)
+    if left is not None:
+        grid = make_grid(case, wanted)
+        assert isinstance(left.results, SweepResults)  # `take_up` saw to it
+        _check_axes(target, left.results.axes, grid.axes)
+        if is_done(target, left):
+            return left.results
+    n_points = len(grid.cases)
+    n_lines = n_points * len(case.frequency.lines())
+    said = f"{case.name}, {n_points} points"
+    with (
+        journalled(target, left) as journal,
+        progress_of(n_lines, said, len(journal.known)) as progress,
+    ):
+        sweep = run_sweep(grid, jobs=workers, case_text=text, progress=progress, record=journal)
+        write_sweep(target, sweep)
+        journal.remove()
+    return sweep
+
+
+def _check_axes(target: Path, before: Sequence[Axis], now: Sequence[Axis]) -> None:
+    """Raise CommandError where a sweep was begun with other parameters or values."""
+    if tuple(before) == tuple(now):
+        return
+    words = " -> ".join(
+        "; ".join(
+            f"{axis.name} = {_listed([axis.text(i) for i in range(len(axis.values))])}"
+            for axis in axes
+        )
+        for axes in (before, now)
+    )
+    raise CommandError(
+        f"{target}: begun with other parameters: {words}; --force begins anew, --output DIR "
+        "writes somewhere else"
+    )
 
 
 @contextmanager
@@ -171,10 +224,9 @@ def _only_own(case: Case) -> dict[str, Values | None]:
 
 def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
     """The facts of a sweep that a script wants to know."""
-    import numpy as np
-
-    from tyrefrf.cli.report import adaptive_words, probe_labels
+    from tyrefrf.cli.report import adaptive_words, median, probe_labels
     from tyrefrf.results.proof import MEASURES, breaches
+    from tyrefrf.results.results import MISSING
 
     origin = sweep.provenance
     named = list(zip(sweep.labels, sweep.points, strict=True))
@@ -184,7 +236,7 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
         for frequency, remark, failed in zip(
             point.frequency, point.remark, point.failed, strict=True
         )
-        if remark
+        if remark and remark != MISSING
     ]
     return {
         "case": origin.case_name,
@@ -204,6 +256,7 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
         **origin.numbers,
         "labels": list(sweep.labels),
         "lines": len(sweep.frequency),
+        "missing_lines": sweep.n_missing,
         "first_frequency": float(sweep.frequency[0]),
         "last_frequency": float(sweep.frequency[-1]),
         "loads": [place.label for place in sweep.loads],
@@ -218,7 +271,7 @@ def sweep_summary(sweep: SweepResults, files: Sequence[Path]) -> dict[str, Any]:
             for label, point in named
             if (words := adaptive_words(point.provenance.numbers, len(point.frequency)))
         ],
-        "seconds_per_line": float(np.nanmedian(sweep.solve_time)),
+        "seconds_per_line": median(sweep.solve_time),
         "failed": [text for text, failed in remarks if failed],
         "remarks": [text for text, failed in remarks if not failed],
         "files": [str(path) for path in files],
@@ -240,7 +293,13 @@ def _worst_of(named: Sequence[tuple[str, Results]], measure: Measure) -> dict[st
 
 def describe_sweep(facts: dict[str, Any]) -> str:
     """The summary at the end of a sweep, and what a sweep's file holds."""
-    from tyrefrf.cli.report import picked_lines, proof_lines
+    from tyrefrf.cli.report import (
+        missing_lines,
+        picked_lines,
+        proof_lines,
+        resumed_lines,
+        time_line,
+    )
 
     n_failed = len(facts["failed"])
     lines = [
@@ -252,8 +311,9 @@ def describe_sweep(facts: dict[str, Any]) -> str:
         f"  lines     {facts['points']} x {facts['lines']}, {facts['first_frequency']:g} to "
         f"{facts['last_frequency']:g} Hz" + (f", {n_failed} FAILED" if n_failed else ""),
         *(f"  adaptive  {words}" for words in facts["adaptive"]),
-        f"  time      {facts['seconds']:.1f} s in all, "
-        f"{1e3 * facts['seconds_per_line']:.3g} ms per line ({facts['solver']})",
+        *missing_lines(facts["missing_lines"]),
+        *resumed_lines(facts),
+        time_line(facts),
         *picked_lines(facts),
         *proof_lines(facts),
         *_levels(facts),

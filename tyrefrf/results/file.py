@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields as attributes
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -44,11 +45,27 @@ def write_file(
     path = Path(path)
     try:
         with whole_file(path) as temporary, h5py.File(temporary, "x") as file:
-            file.attrs.update(attributes_of(content, provenance))
-            file.create_group("numbers").attrs.update(provenance.numbers)
-            _write_datasets(file, datasets)
+            _write_content(file, content, provenance, datasets)
     except OSError as error:
         raise ResultsError(f"{path}: cannot be written: {error}") from error
+
+
+def file_image(content: str, provenance: Provenance, datasets: Sequence[Dataset]) -> bytes:
+    """The bytes of the file that `write_file` would write."""
+    import h5py
+
+    image = BytesIO()
+    with h5py.File(image, "w") as file:
+        _write_content(file, content, provenance, datasets)
+    return image.getvalue()
+
+
+def _write_content(
+    file: Any, content: str, provenance: Provenance, datasets: Sequence[Dataset]
+) -> None:
+    file.attrs.update(attributes_of(content, provenance))
+    file.create_group("numbers").attrs.update(provenance.numbers)
+    _write_datasets(file, datasets)
 
 
 def attributes_of(content: str, provenance: Provenance) -> dict[str, Any]:
@@ -63,8 +80,8 @@ def attributes_of(content: str, provenance: Provenance) -> dict[str, Any]:
 
 
 @contextmanager
-def open_file(path: Path) -> Iterator[Any]:
-    """Open a file that `write_file` wrote, to be read.
+def open_file(path: Path, image: bytes | None = None) -> Iterator[Any]:
+    """Open a file that `write_file` wrote, to be read; or the image of one that is in it.
 
     Raises ResultsError for what is no file, no HDF5, damaged, of another program, or of a
     layout newer than this program knows.
@@ -73,10 +90,10 @@ def open_file(path: Path) -> Iterator[Any]:
 
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
-    if not h5py.is_hdf5(path):
+    if image is None and not h5py.is_hdf5(path):
         raise ResultsError(f"{path}: not an HDF5 file; expected what tyrefrf wrote")
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(path if image is None else BytesIO(image), "r") as file:
             _check_origin(path, file)
             yield file
     except (OSError, KeyError, RuntimeError, ValueError) as error:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tyrefrf.errors import ResultsError
-from tyrefrf.results.field import Dataset
 from tyrefrf.results.file import attributes_of
 from tyrefrf.results.results import Results
-from tyrefrf.results.run_layout import fields_of
 from tyrefrf.results.sweep import SweepResults
-from tyrefrf.results.sweep_layout import sweep_datasets
+from tyrefrf.results.writer import content_of
 
 if TYPE_CHECKING:
     import xarray
@@ -29,7 +27,7 @@ def to_xarray(results: Results | SweepResults) -> xarray.Dataset:
             'xarray is not installed; `pip install "tyrefrf[xarray]"` brings it'
         ) from None
 
-    content, datasets = _datasets(results)
+    content, datasets = content_of(results)
     here = [(field, array) for field, array in datasets if not field.group]
     variables = {
         field.name: (
@@ -41,9 +39,3 @@ def to_xarray(results: Results | SweepResults) -> xarray.Dataset:
     }
     axes = {field.name: variables.pop(field.name) for field, _ in here if field.is_scale}
     return xarray.Dataset(variables, axes, attributes_of(content, results.provenance))
-
-
-def _datasets(results: Results | SweepResults) -> tuple[str, list[Dataset]]:
-    if isinstance(results, SweepResults):
-        return "sweep", sweep_datasets(results)
-    return "run", [(field, field.of(results)) for field in fields_of(results)]

@@ -12,6 +12,8 @@ from tyrefrf.results.comparison_layout import read_comparison
 from tyrefrf.results.dispersion import Dispersion
 from tyrefrf.results.dispersion_layout import read_dispersion
 from tyrefrf.results.file import open_file
+from tyrefrf.results.journal import ENDING, journal_of
+from tyrefrf.results.left import Left, left_in, read_journal
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.modes_layout import read_modes
 from tyrefrf.results.results import Results
@@ -72,8 +74,28 @@ def load_dispersion(path: str | Path) -> Dispersion:
 
 
 def load_any(path: str | Path) -> Content:
-    """Read whatever a file of tyrefrf holds. Raises ResultsError as `load_results`."""
+    """Read whatever a file of tyrefrf holds, a journal too. Raises ResultsError as `load_results`.
+
+    Where a run has not ended, what it has solved so far is read from the journal beside its file.
+    """
     return _read(Path(path))[1]
+
+
+def left_by(target: Path) -> Left | None:
+    """What an earlier run of the same results file has left; None where there is nothing.
+
+    Its journal is asked first, then the file itself. Raises ResultsError where they cannot be read,
+    or hold something else than a run or a sweep.
+    """
+    journal = journal_of(target)
+    if journal.is_file():
+        return read_journal(journal)
+    if not target.exists():
+        return None
+    content, found = _read(target)
+    if not isinstance(found, Results | SweepResults):
+        raise ResultsError(f"{target}: holds a {content}, which cannot be gone on with")
+    return left_in(found)
 
 
 def _load(path: str | Path, wanted: type[Wanted]) -> Wanted:
@@ -84,6 +106,23 @@ def _load(path: str | Path, wanted: type[Wanted]) -> Wanted:
 
 
 def _read(path: Path) -> tuple[str, Content]:
+    """What a file holds; what its run has added since to the journal, where it is not complete."""
+    journal = path if path.suffix == ENDING else journal_of(path)
+    if path == journal or (journal.is_file() and not path.exists()):
+        return _so_far(read_journal(journal).results)
+    content, found = _read_file(path)
+    if journal.is_file() and isinstance(found, Results | SweepResults) and found.n_missing:
+        newer = read_journal(journal).results
+        if newer.provenance.case_hash == found.provenance.case_hash:
+            return _so_far(newer)
+    return content, found
+
+
+def _so_far(results: Results | SweepResults) -> tuple[str, Content]:
+    return ("run" if isinstance(results, Results) else "sweep"), results
+
+
+def _read_file(path: Path) -> tuple[str, Content]:
     with open_file(path) as file:
         content = file.attrs["content"]
         if content not in READERS:

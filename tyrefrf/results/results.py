@@ -17,6 +17,9 @@ from tyrefrf.results.measured import Measured
 
 Quantity = Literal["receptance", "mobility", "accelerance"]
 
+MISSING = "not solved yet"
+"""Remark of a line that a run has not come to."""
+
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
@@ -75,13 +78,13 @@ class Results:
 
     frequency: (f,) [Hz].
     loads, probes: l and p places; the probe "<load>.drive" is that load's driving point.
-    receptance: (l, p, f) displacement per force [m/N], NaN where a line failed.
+    receptance: (l, p, f) displacement per force [m/N], NaN where a line failed or is missing.
     blocked_force: (l, h, f) force [N/N] and moment [N m/N] that the tyre exerts on the blocked
         hub per unit load; h = 6 as in `HUB`, or 0 where the case asks for none.
-    solved: (f,) false where a line failed or was fitted.
+    solved: (f,) false where a line failed, was fitted or is missing.
     residual: (f,) ||F - D q|| / ||F|| of the ring's equations, NaN where not solved.
     solve_time: (f,) [s], NaN where fitted.
-    remark: f texts, empty or what was special about the line, or why it failed.
+    remark: f texts, empty or what was special about the line, or why it failed; `MISSING`.
     inflation: the static state that the tyre vibrates about; None without pressure.
     certificate: what a second look found, where one was asked for.
     measured: responses that were measured, to be held against those computed.
@@ -134,9 +137,19 @@ class Results:
         return -(self.omega**2) * self.receptance
 
     @property
+    def missing(self) -> BoolArray:
+        """(f,) true where a run was ended before it came to the line."""
+        return np.array([remark == MISSING for remark in self.remark], dtype=bool)
+
+    @property
+    def n_missing(self) -> int:
+        """How many lines a run has not come to; 0 of a run that ended."""
+        return int(self.missing.sum())
+
+    @property
     def failed(self) -> BoolArray:
-        """(f,) true where a line has no answer."""
-        return np.asarray(np.isnan(self.receptance).any(axis=(0, 1)))
+        """(f,) true where a line was tried and has no answer."""
+        return np.isnan(self.receptance).any(axis=(0, 1)) & ~self.missing
 
     @property
     def n_failed(self) -> int:

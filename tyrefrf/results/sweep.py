@@ -120,8 +120,13 @@ class SweepResults:
         return self.stacked(lambda point: point.solve_time)
 
     @property
+    def n_missing(self) -> int:
+        """How many lines of all points a sweep has not come to; 0 of one that ended."""
+        return sum(point.n_missing for point in self.points)
+
+    @property
     def failed(self) -> BoolArray:
-        """(..., f) true where a line has no answer."""
+        """(..., f) true where a line was tried and has no answer."""
         return self.stacked(lambda point: point.failed)
 
     @property

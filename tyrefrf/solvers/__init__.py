@@ -23,6 +23,7 @@ from tyrefrf.solvers.problem import (
 )
 from tyrefrf.solvers.recursive import Recursive
 from tyrefrf.solvers.sensors import Sensors
+from tyrefrf.solvers.timed import TimedLine
 
 if TYPE_CHECKING:
     from tyrefrf import case
@@ -69,6 +70,7 @@ __all__ = [
     "RingProblem",
     "Sensors",
     "Solver",
+    "TimedLine",
     "answer",
     "no_answer",
     "prepare",

@@ -24,7 +24,16 @@ from tyrefrf.solvers.modes import OrderModes, Pencils, modes_below, storage_stif
 from tyrefrf.solvers.own_moduli import RelaxingOrders, own_modes_below
 from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
 from tyrefrf.study.sampling import START, Sampling
-from tyrefrf.study.spectrum import Fit, Gathered, Progress, Spectrum, solve_lines, solve_spectra
+from tyrefrf.study.spectrum import (
+    UNRECORDED,
+    Fit,
+    Gathered,
+    Progress,
+    Record,
+    Spectrum,
+    solve_lines,
+    solve_spectra,
+)
 
 if TYPE_CHECKING:
     from tyrefrf.case import Case, Solver
@@ -43,13 +52,17 @@ def solve_case(
     case: Case,
     workers: Workers,
     progress: Progress = lambda n_lines: None,
+    record: Record = UNRECORDED,
 ) -> list[Spectrum]:
-    """Problems at the lines and by the solver of a case, all of them solved or adaptively."""
+    """Problems at the lines and by the solver of a case, all of them solved or adaptively.
+
+    record: where lines are kept; those that it knows are not solved again.
+    """
     frequency = np.array(case.frequency.lines())
     if not case.frequency.adaptive:
-        return solve_spectra(problems, case.solver, frequency, workers, progress)
+        return solve_spectra(problems, case.solver, frequency, workers, progress, record)
     tolerance = case.frequency.tolerance
-    return solve_adaptively(problems, case.solver, frequency, tolerance, workers, progress)
+    return solve_adaptively(problems, case.solver, frequency, tolerance, workers, progress, record)
 
 
 def solve_adaptively(
@@ -59,6 +72,7 @@ def solve_adaptively(
     tolerance: float,
     workers: Workers,
     progress: Progress = lambda n_lines: None,
+    record: Record = UNRECORDED,
 ) -> list[Spectrum]:
     """As `solve_spectra`, but with lines [Hz] fitted where that can be trusted.
 
@@ -70,11 +84,9 @@ def solve_adaptively(
     samplings = [_sampling(problem, frequency, tolerance, executor) for problem in problems]
     while True:
         wanted = [sampling.next_lines() for sampling in samplings]
-        longest = max(map(len, wanted))
-        if not longest:
+        if not any(map(len, wanted)):
             break
-        length = -(-longest // executor.jobs)
-        solve_lines(gathered, [lines.tolist() for lines in wanted], length, executor, progress)
+        solve_lines(gathered, [lines.tolist() for lines in wanted], executor, progress, record)
         for found, sampling, lines in zip(gathered, samplings, wanted, strict=True):
             if len(lines):
                 sampling.add(lines, found.receptance[..., lines])

@@ -21,7 +21,7 @@ from tyrefrf.study.choose import decided_model
 from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.model import Model, build_model
-from tyrefrf.study.spectrum import Fit, Progress, Spectrum
+from tyrefrf.study.spectrum import UNRECORDED, Fit, Progress, Record, Spectrum
 
 
 def run(case: Case | str | Path, *, jobs: Workers | None = None, certify: bool = False) -> Results:
@@ -46,12 +46,14 @@ def run_case(
     jobs: Workers | None = None,
     case_text: str = "",
     progress: Progress = lambda n_lines: None,
+    record: Record = UNRECORDED,
 ) -> Results:
     """Compute the responses that a case describes.
 
     jobs: processes, all cores by default, or an executor; results do not depend on it. case_text:
     the file as its author wrote it, kept with the results. progress: called with lines just
-    finished.
+    finished. record: where lines are kept as they are solved; those that it knows are not solved
+    again.
     Raises CaseError and MeshError for a case that cannot be computed; a line that cannot be
     solved is NaN in the results, with the reason in `remark`.
     """
@@ -60,10 +62,25 @@ def run_case(
     frequency = np.array(case.frequency.lines())
     executor = executor_of(jobs or cores(), len(frequency))
     model, expected = decided_model(build_model(case))
-    spectrum = solve_case([model.problem], model.case, executor, progress)[0]
-    numbers = {**sizes(model), **expected, "seconds": time.perf_counter() - start}
+    numbers = {**sizes(model), **expected}
+    blank = results_of(model, frequency, no_line(model, len(frequency)), case_text, numbers)
+    record.begin(replace(blank, measured=measured))
+    spectrum = solve_case([model.problem], model.case, executor, progress, record)[0]
+    numbers |= {**resumed_lines(record), "seconds": time.perf_counter() - start}
     results = results_of(model, frequency, spectrum, case_text, numbers)
     return replace(results, measured=measured)
+
+
+def no_line(model: Model, n_lines: int) -> Spectrum:
+    """What is there before the first line."""
+    unknown = np.full(n_lines, np.nan)
+    receptance = np.full((*model.problem.shape, n_lines), complex(np.nan, np.nan))
+    return Spectrum(receptance, unknown, unknown.copy(), ("",) * n_lines, 0.0)
+
+
+def resumed_lines(record: Record) -> dict[str, float | int]:
+    """How many lines were there from an earlier run; nothing where none was."""
+    return {"resumed_lines": len(record.known)} if record.known else {}
 
 
 def sizes(model: Model) -> dict[str, float | int]:

@@ -1,29 +1,67 @@
-"""Frequency lines of one or several problems: chunks over the cores, gathered into arrays."""
+"""Frequency lines of one or several problems: chunks over the cores, recorded and gathered."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
-from tyrefrf.solvers import Line, Maker, RingProblem, answer, no_answer, prepare
+from tyrefrf.solvers import Maker, RingProblem, TimedLine, answer, no_answer, prepare
 from tyrefrf.solvers import Solver as RingSolver
 from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
 
 if TYPE_CHECKING:
     from tyrefrf.case import Solver
+    from tyrefrf.results import Results, SweepResults
 
-CHUNKS_PER_JOB = 8  # both cores finish together to within an eighth
-CHUNKS_PER_JOB_IN_ALL = 64  # of many problems: a chunk need not be shorter than that
-LONGEST_CHUNK = 64  # lines: a chunk is also how often progress is shown
+SOON = 0.2
+"""Seconds that a chunk of lines takes: so long after it is solved, a line is recorded, and so far
+apart the cores finish. A chunk's way to a process and back takes a millisecond."""
+LONGEST_CHUNK = 64  # lines
 
 Progress = Callable[[int], None]
 """Called with the number of lines just finished."""
+
+
+class Record(Protocol):
+    """Where lines are kept as they are solved: a journal, or nowhere (`Unrecorded`).
+
+    known: lines that are solved already, by problem and index.
+    """
+
+    @property
+    def known(self) -> Mapping[tuple[int, int], TimedLine]:
+        """See above."""
+        ...
+
+    def begin(self, blank: Results | SweepResults) -> None:
+        """Called before the first line, with the results without any."""
+        ...
+
+    def add(self, lines: Sequence[TimedLine]) -> None:
+        """Called with lines just solved, or failed, in the process that gathers them."""
+        ...
+
+
+class Unrecorded:
+    """Lines are not kept but in the results."""
+
+    known: Mapping[tuple[int, int], TimedLine] = MappingProxyType({})
+
+    def begin(self, blank: Results | SweepResults) -> None:
+        """Nothing begins."""
+
+    def add(self, lines: Sequence[TimedLine]) -> None:
+        """Nothing is kept."""
+
+
+UNRECORDED = Unrecorded()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,16 +119,6 @@ class Chunk:
     lines: Sequence[int]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TimedLine:
-    """One line's answer, where it belongs, and what it took [s]."""
-
-    number: int
-    index: int
-    line: Line
-    seconds: float
-
-
 def solve_spectrum(
     problem: RingProblem,
     solver: Solver,
@@ -113,43 +141,80 @@ def solve_spectra(
     frequency: FloatArray,
     workers: Workers,
     progress: Progress = lambda n_lines: None,
+    record: Record = UNRECORDED,
 ) -> list[Spectrum]:
     """The same for several problems at the same lines, in their order.
 
-    One pool works at all of them: no process waits for a problem's last line.
+    One pool works at all of them: no process waits for a problem's last line. record: where lines
+    are kept; those that it knows are not solved again.
     """
-    n = len(frequency)
-    executor = executor_of(workers, n * len(problems))
-    gathered = [Gathered.prepared(problem, solver, frequency, executor) for problem in problems]
-    length = _chunk_length(n, len(problems), executor.jobs)
-    solve_lines(gathered, [range(n)] * len(problems), length, executor, progress)
+    every = range(len(frequency))
+    executor = executor_of(workers, len(frequency) * len(problems))
+    gathered = [
+        Gathered.prepared(problem, solver, frequency, executor)
+        if any((number, index) not in record.known for index in every)
+        else Gathered(problem, _unneeded, frequency, 0.0)
+        for number, problem in enumerate(problems)
+    ]
+    solve_lines(gathered, [every] * len(problems), executor, progress, record)
     return [found.spectrum() for found in gathered]
+
+
+def _unneeded() -> RingSolver:
+    raise AssertionError("all lines were known")
 
 
 def solve_lines(
     gathered: Sequence[Gathered],
     lines: Sequence[Sequence[int]],
-    length: int,
     executor: Executor,
     progress: Progress,
+    record: Record,
 ) -> None:
-    """Solve some lines of each problem and gather them; a process gets `length` of them at once."""
-    tasks = (
-        Task(found.lines, Chunk(number, wanted[i : i + length]))
+    """Solve some lines of each problem and gather them; those that are known are only gathered."""
+    left = [
+        found.still_left(number, wanted, record.known)
         for number, (found, wanted) in enumerate(zip(gathered, lines, strict=True))
-        for i in range(0, len(wanted), length)
+    ]
+    longest = -(-max(map(len, left)) // executor.jobs)
+    paces = [Pace(longest, found.seconds) for found in gathered]
+    tasks = (
+        Task(found.lines, Chunk(number, lines))
+        for number, (found, pace) in enumerate(zip(gathered, paces, strict=True))
+        for lines in pace.chunks(left[number])
     )
     for solved in map_unordered(tasks, executor, _failed, _by_line):
+        record.add(solved)
         for done in solved:
             gathered[done.number].add(done)
+        paces[solved[0].number].learn(done.seconds for done in solved)
         progress(len(solved))
 
 
-def _chunk_length(n_lines: int, n_problems: int, jobs: int) -> int:
-    """Lines in a chunk: short enough that the cores finish together, and not shorter."""
-    of_one = -(-n_lines // (CHUNKS_PER_JOB * jobs))
-    of_all = n_lines * n_problems // (CHUNKS_PER_JOB_IN_ALL * jobs)
-    return min(max(of_one, of_all), n_lines, LONGEST_CHUNK)
+class Pace:
+    """How many lines make a chunk: as many as are solved soon, as far as is known so far.
+
+    longest: lines of a chunk, whatever they take. seconds: what lines have taken, NaN for others.
+    """
+
+    def __init__(self, longest: int, seconds: FloatArray) -> None:
+        self._longest = max(1, min(longest, LONGEST_CHUNK))
+        self._length = 1
+        self.learn(seconds[~np.isnan(seconds)])
+
+    def chunks(self, lines: Sequence[int]) -> Iterator[Sequence[int]]:
+        """The lines in chunks, each as long as is thought right when it is asked for."""
+        start = 0
+        while start < len(lines):
+            end = start + self._length
+            yield lines[start:end]
+            start = end
+
+    def learn(self, seconds: Iterable[float]) -> None:
+        """Take what lines have taken for what others are going to take."""
+        took = [each for each in seconds if each > 0.0]
+        if took:
+            self._length = min(max(1, round(SOON * len(took) / sum(took))), self._longest)
 
 
 class Gathered:
@@ -173,6 +238,15 @@ class Gathered:
         begun = time.perf_counter()
         make = prepare(problem, solver, executor.here)
         return cls(problem, make, frequency, time.perf_counter() - begun)
+
+    def still_left(
+        self, number: int, wanted: Sequence[int], known: Mapping[tuple[int, int], TimedLine]
+    ) -> list[int]:
+        """The lines that are still to be solved, once those that are known are in their places."""
+        for index in wanted:
+            if (number, index) in known:
+                self.add(known[number, index])
+        return [index for index in wanted if (number, index) not in known]
 
     def add(self, done: TimedLine) -> None:
         """Put a line in its place."""

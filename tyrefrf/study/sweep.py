@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
-from tyrefrf.results import SweepResults, read_measured
+from tyrefrf.results import Measured, Results, SweepResults, read_measured
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.local import cores, pinned
-from tyrefrf.study.model import Workshop
-from tyrefrf.study.run import provenance_of, results_of, sizes
-from tyrefrf.study.spectrum import Progress
+from tyrefrf.study.model import Model, Workshop
+from tyrefrf.study.run import no_line, provenance_of, results_of, resumed_lines, sizes
+from tyrefrf.study.spectrum import UNRECORDED, Progress, Record, Spectrum
 
 
 def sweep(
@@ -46,12 +48,13 @@ def run_sweep(
     jobs: Workers | None = None,
     case_text: str = "",
     progress: Progress = lambda n_lines: None,
+    record: Record = UNRECORDED,
 ) -> SweepResults:
     """Compute every point of a grid, each to the bit as a run of that point's case alone.
 
     All points are meshed and assembled before the first line is solved; what they share, once.
-    jobs, case_text, progress: as `run_case`. Raises CaseError with all points that cannot be
-    meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
+    jobs, case_text, progress, record: as `run_case`. Raises CaseError with all points that cannot
+    be meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
     """
     start = time.perf_counter()
     measured = read_measured(grid.base.measured, grid.base.directory)
@@ -61,17 +64,24 @@ def run_sweep(
     base, expected = decided(grid.base, models[0].problem)
     models = [replace(model, case=with_solver(model.case, base.solver.name)) for model in models]
     problems = [model.problem for model in models]
-    spectra = solve_case(problems, base, executor, progress)
-    seconds = time.perf_counter() - start
-    return SweepResults(
-        axes=grid.axes,
-        points=tuple(
-            replace(
-                results_of(model, frequency, spectrum, case_text, sizes(model)), measured=measured
-            )
-            for model, spectrum in zip(models, spectra, strict=True)
-        ),
-        provenance=provenance_of(
-            base, case_text, {"points": len(models), **expected, "seconds": seconds}
-        ),
+    points = partial(_points, models, frequency, measured, case_text)
+    numbers = {"points": len(models), **expected}
+    blank = points([no_line(model, len(frequency)) for model in models])
+    record.begin(SweepResults(grid.axes, blank, provenance_of(base, case_text, numbers)))
+    spectra = solve_case(problems, base, executor, progress, record)
+    numbers |= {**resumed_lines(record), "seconds": time.perf_counter() - start}
+    return SweepResults(grid.axes, points(spectra), provenance_of(base, case_text, numbers))
+
+
+def _points(
+    models: Sequence[Model],
+    frequency: FloatArray,
+    measured: tuple[Measured, ...],
+    case_text: str,
+    spectra: Sequence[Spectrum],
+) -> tuple[Results, ...]:
+    """The results of every point."""
+    return tuple(
+        replace(results_of(model, frequency, spectrum, case_text, sizes(model)), measured=measured)
+        for model, spectrum in zip(models, spectra, strict=True)
     )

@@ -1,0 +1,100 @@
+"""The journal of a run or sweep from the command line: taken up, and kept where the run is not."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tyrefrf.cli.interrupt import Interrupted
+from tyrefrf.errors import CommandError, TyreFRFError
+
+if TYPE_CHECKING:
+    from tyrefrf.case import Case
+    from tyrefrf.results.journal import Journal
+    from tyrefrf.results.left import Left, Responses
+
+
+def take_up(target: Path, case: Case, kind: type[Responses]) -> tuple[Case, Left | None]:
+    """What an earlier run has left of these results, and the case as that run decided it.
+
+    kind: of the results. Raises CommandError where that run was of another case or kind.
+    """
+    from tyrefrf.results.reader import left_by
+    from tyrefrf.study.resume import resumed
+
+    left = left_by(target)
+    if left is None:
+        return case, None
+    try:
+        if not isinstance(left.results, kind):
+            raise CommandError("holds results of another command; --output DIR writes elsewhere")
+        return resumed(case, left), left
+    except CommandError as error:
+        raise CommandError(f"{target}: {error}") from None
+
+
+def is_done(target: Path, left: Left) -> bool:
+    """Whether the results file itself has every line."""
+    from tyrefrf.results.journal import journal_of
+
+    return left.is_complete and not journal_of(target).exists()
+
+
+@contextmanager
+def journalled(target: Path, left: Left | None) -> Iterator[Journal]:
+    """The journal that a run writes, with the lines that were there before.
+
+    Where the run is interrupted, the results file is written with what there is, unless one stands
+    there that has all its lines.
+    """
+    from tyrefrf.results.journal import Journal, journal_of
+
+    known = [line for line in left.lines if line.has_answer] if left else []
+    with Journal(journal_of(target), known) as journal:
+        try:
+            yield journal
+        except Interrupted as interrupt:
+            journal.close()
+            raise Interrupted(interrupt.number, _kept(target, journal.path)) from None
+        except (TyreFRFError, OSError, MemoryError):
+            journal.close()
+            if journal.path.exists():
+                print(_in_journal(journal.path), file=sys.stderr)
+            raise
+
+
+def _kept(target: Path, journal: Path) -> str:
+    """Write what is there so far, if nothing is lost by it; where it is, in words."""
+    from tyrefrf.results.left import read_journal
+    from tyrefrf.results.writer import write_results
+
+    if not journal.exists():
+        return "no line was solved"
+    if not _may_be_replaced(target):
+        return _in_journal(journal)
+    left = read_journal(journal)
+    write_results(target, left.results)
+    return f"{target} holds {left.n_there} of {left.n_lines} lines; --resume computes the rest"
+
+
+def _may_be_replaced(target: Path) -> bool:
+    from tyrefrf.results.reader import load_any
+
+    if not target.exists():
+        return True
+    try:
+        there = load_any(target)
+    except TyreFRFError:
+        return False
+    return bool(getattr(there, "n_missing", 0))
+
+
+def _in_journal(journal: Path) -> str:
+    from tyrefrf.results.left import read_journal
+
+    left = read_journal(journal)
+    there = f"{left.n_there} of {left.n_lines} lines"
+    return f"{journal} holds {there}; --resume computes the rest"
