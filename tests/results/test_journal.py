@@ -25,6 +25,7 @@ ARRAYS = (
     "solve_time",
 )
 LINES = 30
+HEAD = 12  # bytes before a record
 
 
 @pytest.fixture
@@ -108,25 +109,28 @@ def test_a_later_answer_replaces_a_failure(blank, lines, tmp_path):
 
 
 def test_whatever_a_kill_cuts_off_only_the_line_under_way_is_lost(path, made):
-    whole = path.read_bytes()
-    last = list(records_of(path))[-1]
-    for cut in range(1, len(last) + 13):  # into the record's head
+    whole, records = path.read_bytes(), list(records_of(path))
+    of_last = HEAD + len(records[-1])
+    for cut in range(1, of_last + 1):
         path.write_bytes(whole[:-cut])
-        assert_same_but(read_journal(path).results, made, [LINES - 1, 7, 0])
-    path.write_bytes(whole[: -len(last) - 13])
-    assert_same_but(read_journal(path).results, made, [LINES - 1, 7, 0, 1])
+        assert list(records_of(path)) == records[:-1]
+    assert_same_but(read_journal(path).results, made, [LINES - 1, 7, 0])
+    path.write_bytes(whole[: -of_last - 1])
+    assert list(records_of(path)) == records[:-2]
 
 
 def test_a_damaged_byte_is_never_a_wrong_number(path, made):
-    whole = bytearray(path.read_bytes())
-    records = list(records_of(path))
-    begin = len(whole) - sum(len(record) + 12 for record in records[1:])
+    whole, records = path.read_bytes(), list(records_of(path))
+    begin = len(whole) - sum(HEAD + len(record) for record in records[1:])
     for place in range(begin, len(whole), 7):
-        damaged = whole.copy()
+        damaged = bytearray(whole)
         damaged[place] ^= 0x10
         path.write_bytes(damaged)
-        results = read_journal(path).results
-        assert_same_but(results, made, np.flatnonzero(results.missing).tolist())
+        found = list(records_of(path))
+        assert found == records[: len(found)]
+        assert len(found) < len(records)
+    results = read_journal(path).results
+    assert_same_but(results, made, np.flatnonzero(results.missing).tolist())
 
 
 @pytest.mark.parametrize(
@@ -161,7 +165,7 @@ def test_a_journal_without_a_line_leaves_no_file(blank, tmp_path):
 
 
 def test_where_room_ends_all_earlier_lines_are_kept(path, made, blank, lines, file_sizes_up_to):
-    of_a_line = len(list(records_of(path))[-1]) + 12
+    of_a_line = HEAD + len(list(records_of(path))[-1])
     with Journal(path) as journal:
         journal.begin(blank)
         file_sizes_up_to(path.stat().st_size + int(2.5 * of_a_line))
@@ -169,7 +173,7 @@ def test_where_room_ends_all_earlier_lines_are_kept(path, made, blank, lines, fi
             deque(map(journal.add, ([line] for line in lines)))
         size = path.stat().st_size
     assert journal.n_lines == 2
-    assert sum(len(record) + 12 for record in records_of(path)) + len(MAGIC) == size
+    assert sum(HEAD + len(record) for record in records_of(path)) + len(MAGIC) == size
     assert_same_but(read_journal(path).results, made, [*range(LINES - 2)])
 
 

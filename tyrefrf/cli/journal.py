@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -59,11 +58,24 @@ def journalled(target: Path, left: Left | None) -> Iterator[Journal]:
         except Interrupted as interrupt:
             journal.close()
             raise Interrupted(interrupt.number, _kept(target, journal.path)) from None
-        except (TyreFRFError, OSError, MemoryError):
+        except (TyreFRFError, OSError, MemoryError) as error:
             journal.close()
             if journal.path.exists():
-                print(_in_journal(journal.path), file=sys.stderr)
+                error.add_note(_in_journal(journal.path))
             raise
+
+
+@contextmanager
+def beside_results(target: Path) -> Iterator[None]:
+    """Say of what fails after the results are written that they are not touched by it."""
+    words = f"{target} is complete; tyrefrf plot {target} draws it again"
+    try:
+        yield
+    except Interrupted as interrupt:
+        raise Interrupted(interrupt.number, words) from None
+    except (TyreFRFError, OSError, MemoryError) as error:
+        error.add_note(words)
+        raise
 
 
 def _kept(target: Path, journal: Path) -> str:

@@ -16,7 +16,7 @@ import typer
 
 from tyrefrf.cli.interrupt import Interrupted, heeding_signals
 from tyrefrf.cli.sweeping import InOrder
-from tyrefrf.errors import CaseError, CommandError, MeshError, TyreFRFError
+from tyrefrf.errors import CaseError, CommandError, MeshError, ResultsError, TyreFRFError
 from tyrefrf.study.local import ONE_THREAD
 
 app = typer.Typer(
@@ -616,12 +616,13 @@ def main() -> None:
     except TyreFRFError as error:
         _fail(error, 1)
     except OSError as error:
-        _fail(error, 1)
+        where = [str(error.filename)] if error.filename else []
+        _fail(ResultsError(": ".join([*where, error.strerror or str(error)])), 1)
 
 
 def _fail(error: BaseException, status: int) -> None:
-    """Say what went wrong on stderr and exit."""
-    print(error, file=sys.stderr)
+    """Say on stderr what went wrong, and what it leaves, and exit."""
+    print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
     sys.exit(status)
 
 

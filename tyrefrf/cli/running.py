@@ -48,6 +48,7 @@ def run_to_files(
         with workers_of(jobs, scheduler, n_lines) as workers:
             # Imported while the processes start.
             from tyrefrf.cli.fields import check_fields, deflections_to_files, load_names
+            from tyrefrf.cli.journal import beside_results
             from tyrefrf.cli.report import as_json, describe_run, summary
             from tyrefrf.plots import draw_plots
 
@@ -56,9 +57,10 @@ def run_to_files(
             with in_file(case_file, text):
                 _warn_of_matrices(case)
                 results = _solved(case, text, target, workers, resume=resume, certify=certify)
-        drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
-        drawn += exported(results, target, case.output.export)
-        fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
+        with beside_results(target):
+            drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
+            drawn += exported(results, target, case.output.export)
+            fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
     facts = summary(results, [target, *drawn, *fields.files])
     facts |= {"deflections": fields.facts, "seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_run(facts))

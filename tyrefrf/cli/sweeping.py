@@ -81,12 +81,14 @@ def sweep_to_files(
         n_lines = len(grid.cases) * len(case.frequency.lines())
         with workers_of(jobs, scheduler, n_lines) as workers, _of_sweep(case_file):
             # Imported while the processes start.
+            from tyrefrf.cli.journal import beside_results
             from tyrefrf.cli.report import as_json
             from tyrefrf.plots import draw_plots
 
             sweep = _solved(grid, wanted, text, target, workers, resume=resume)
-        drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
-        drawn += exported(sweep, target, case.output.export)
+        with beside_results(target):
+            drawn = draw_plots(sweep, target.parent / "plots", formats or case.output.plots)
+            drawn += exported(sweep, target, case.output.export)
     facts = sweep_summary(sweep, [target, *drawn]) | {"seconds": time.perf_counter() - start}
     typer.echo(as_json(facts) if json else describe_sweep(facts))
     return status_of(facts)

@@ -107,9 +107,5 @@ FIGURES: dict[type, Callable[[Any], Iterator[tuple[str, Figure]]]] = {
 
 
 def _save(figure: Figure, path: Path, form: str) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as temporary, house_style():
-            figure.savefig(temporary, format=form)
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    with whole_file(path, make_directory=True) as temporary, house_style():
+        figure.savefig(temporary, format=form)

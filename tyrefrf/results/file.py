@@ -40,32 +40,32 @@ def write_file(
     content: what the file holds, by which `load_any` knows how to read it. An existing file is
     replaced. Raises ResultsError where the file cannot be written.
     """
-    import h5py
-
-    path = Path(path)
-    try:
-        with whole_file(path) as temporary, h5py.File(temporary, "x") as file:
-            _write_content(file, content, provenance, datasets)
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    image = file_image(content, provenance, datasets)
+    with whole_file(Path(path)) as temporary:
+        temporary.write_bytes(image)
 
 
-def file_image(content: str, provenance: Provenance, datasets: Sequence[Dataset]) -> bytes:
+def file_image(content: str, provenance: Provenance, datasets: Sequence[Dataset]) -> memoryview:
     """The bytes of the file that `write_file` would write."""
+    with hdf5_image() as (file, image):
+        file.attrs.update(attributes_of(content, provenance))
+        file.create_group("numbers").attrs.update(provenance.numbers)
+        _write_datasets(file, datasets)
+    return image.getbuffer()
+
+
+@contextmanager
+def hdf5_image() -> Iterator[tuple[Any, BytesIO]]:
+    """An HDF5 file to be filled, and the memory that it is in.
+
+    HDF5 does not survive a full disk: h5py's close fails, and the process ends with a segmentation
+    fault (HDF5 2.0, h5py 3.16). A file made in memory is written in one go by Python, which does.
+    """
     import h5py
 
     image = BytesIO()
     with h5py.File(image, "w") as file:
-        _write_content(file, content, provenance, datasets)
-    return image.getvalue()
-
-
-def _write_content(
-    file: Any, content: str, provenance: Provenance, datasets: Sequence[Dataset]
-) -> None:
-    file.attrs.update(attributes_of(content, provenance))
-    file.create_group("numbers").attrs.update(provenance.numbers)
-    _write_datasets(file, datasets)
+        yield file, image
 
 
 def attributes_of(content: str, provenance: Provenance) -> dict[str, Any]:

@@ -21,7 +21,7 @@ import numpy as np
 from tyrefrf.errors import ResultsError
 from tyrefrf.results.results import Results
 from tyrefrf.results.sweep import SweepResults
-from tyrefrf.results.whole import whole_file
+from tyrefrf.results.whole import unwritable, whole_file
 from tyrefrf.results.writer import image_of
 from tyrefrf.solvers import Line, TimedLine
 
@@ -63,26 +63,28 @@ class Journal:
         An existing journal is replaced, once all that is known is in the new one.
         Raises ResultsError where it cannot be written.
         """
+        with whole_file(self.path) as temporary, temporary.open("xb") as file:
+            image = image_of(blank)
+            file.write(MAGIC + _head(image))
+            file.write(image)
+            for record in map(_packed, self.known.values()):
+                file.write(_head(record) + record)
         try:
-            with whole_file(self.path) as temporary, temporary.open("xb") as file:
-                file.write(MAGIC + _record(image_of(blank)))
-                for line in self.known.values():
-                    file.write(_record(_packed(line)))
             self._file = self.path.open("ab", buffering=0)
+            self._size = self.path.stat().st_size
         except OSError as error:
-            raise self._unwritable(error) from error
-        self._size = self.path.stat().st_size
+            raise unwritable(self.path, error) from error
 
     def add(self, lines: Sequence[TimedLine]) -> None:
         """Add lines just solved. Raises ResultsError where there is no room for them."""
         assert self._file is not None  # begun
-        records = b"".join(_record(_packed(line)) for line in lines)
+        records = b"".join(_head(line) + line for line in map(_packed, lines))
         try:
             self._write(self._file, records)
         except OSError as error:
             with suppress(OSError):  # what is there of it does not count anyway
                 self._file.truncate(self._size)
-            raise self._unwritable(error) from error
+            raise unwritable(self.path, error) from error
         self._size += len(records)
         self.n_lines += len(lines)
 
@@ -93,10 +95,6 @@ class Journal:
         if time.monotonic() - self._synchronised > SECONDS_TO_DISK:
             os.fsync(file.fileno())
             self._synchronised = time.monotonic()
-
-    def _unwritable(self, error: OSError) -> ResultsError:
-        kept = f"; {self.n_lines} lines are in it: make room, and --resume" if self.n_lines else ""
-        return ResultsError(f"{self.path}: cannot be written: {error.strerror or error}{kept}")
 
     def __enter__(self) -> Self:
         """The journal; leaving the context closes it."""
@@ -156,8 +154,9 @@ def line_of(record: bytes, n_loads: int) -> TimedLine:
     return TimedLine(number, index, Line(receptance, residual, remark), seconds)
 
 
-def _record(payload: bytes) -> bytes:
-    return _RECORD.pack(len(payload), zlib.crc32(payload)) + payload
+def _head(record: bytes | memoryview) -> bytes:
+    """What stands before a record."""
+    return _RECORD.pack(len(record), zlib.crc32(record))
 
 
 def _packed(done: TimedLine) -> bytes:

@@ -11,6 +11,7 @@ from datetime import datetime
 from pathlib import Path
 
 from tyrefrf.errors import ResultsError
+from tyrefrf.results.whole import unwritable
 
 
 class InUseError(ResultsError):
@@ -33,8 +34,7 @@ def only_writer(target: Path) -> Iterator[None]:
     except Timeout:
         raise InUseError(f"{target} is being written by {_holder(path)}") from None
     except OSError as error:
-        message = f"{target.parent}: cannot be written: {error.strerror or error}"
-        raise ResultsError(message) from error
+        raise unwritable(target.parent, error) from error
     try:
         with suppress(OSError):  # a full disk is told of where something is lost by it
             path.write_text(json.dumps(_this_process()), encoding="utf-8")

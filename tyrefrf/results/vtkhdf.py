@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from tyrefrf.errors import ResultsError
 from tyrefrf.results import vtk_content as content
 from tyrefrf.results.deflection import Deflection
+from tyrefrf.results.file import hdf5_image
 from tyrefrf.results.ring_mesh import RingMesh
 from tyrefrf.results.whole import whole_file
 
@@ -31,23 +31,20 @@ def write_vtkhdf(path: str | Path, deflection: Deflection, n_phases: int = N_PHA
     """
     import h5py
 
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as temporary, h5py.File(temporary, "x") as file:
-            root = file.create_group("VTKHDF")
-            root.attrs["Version"] = [2, 0]
-            root.attrs.create(
-                "Type",
-                b"UnstructuredGrid",
-                dtype=h5py.string_dtype("ascii", len("UnstructuredGrid")),
-            )
-            _write_mesh(root, deflection.mesh)
-            steps = _write_steps(root, n_phases)
-            _write_arrays(root, steps, deflection, n_phases)
-            _write_field_data(root, steps, deflection, n_phases)
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    with hdf5_image() as (file, image):
+        root = file.create_group("VTKHDF")
+        root.attrs["Version"] = [2, 0]
+        root.attrs.create(
+            "Type",
+            b"UnstructuredGrid",
+            dtype=h5py.string_dtype("ascii", len("UnstructuredGrid")),
+        )
+        _write_mesh(root, deflection.mesh)
+        steps = _write_steps(root, n_phases)
+        _write_arrays(root, steps, deflection, n_phases)
+        _write_field_data(root, steps, deflection, n_phases)
+    with whole_file(Path(path), make_directory=True) as temporary:
+        temporary.write_bytes(image.getbuffer())
 
 
 def _write_mesh(root: Any, mesh: RingMesh) -> None:

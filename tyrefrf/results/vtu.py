@@ -16,7 +16,6 @@ from xml.etree.ElementTree import Element, ElementTree, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
-from tyrefrf.errors import ResultsError
 from tyrefrf.results import vtk_content as content
 from tyrefrf.results.deflection import Deflection
 from tyrefrf.results.ring_mesh import RingMesh
@@ -49,12 +48,8 @@ def write_vtu(path: str | Path, deflection: Deflection) -> None:
     _add_all(SubElement(piece, "CellData"), content.cell_data(mesh))
     _add_all(SubElement(piece, "Points"), {"Points": content.single(mesh.points)})
     _add_all(SubElement(piece, "Cells"), _bricks(mesh))
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as temporary:
-            ElementTree(document).write(temporary, encoding="utf-8", xml_declaration=True)
-    except OSError as error:
-        raise ResultsError(f"{path}: cannot be written: {error}") from error
+    with whole_file(path, make_directory=True) as temporary:
+        ElementTree(document).write(temporary, encoding="utf-8", xml_declaration=True)
 
 
 def _bricks(mesh: RingMesh) -> content.Arrays:

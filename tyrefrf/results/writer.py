@@ -26,7 +26,7 @@ def write_sweep(path: str | Path, sweep: SweepResults) -> None:
     write_results(path, sweep)
 
 
-def image_of(results: Results | SweepResults) -> bytes:
+def image_of(results: Results | SweepResults) -> memoryview:
     """The bytes of the file that these results would be written to."""
     content, datasets = content_of(results)
     return file_image(content, results.provenance, datasets)

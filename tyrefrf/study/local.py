@@ -17,6 +17,8 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 from uuid import uuid4
 
+from tyrefrf.errors import SolveError
+
 P = ParamSpec("P")
 Result = TypeVar("Result")
 
@@ -28,6 +30,10 @@ KEPT = 2
 
 IDLE = 300.0  # seconds after which an idle process ends
 SECONDS_ORPHANED = 1.0  # that a process works on whose parent was killed
+
+HANDLES, HANDLES_PER_JOB = 20, 2
+"""Open files of a pool of processes and of each of them, with some to spare: measured 7 and 1 while
+they work, and two more as one starts."""
 
 ONE_THREAD = dict.fromkeys(
     ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
@@ -95,6 +101,8 @@ class Local:
     """
 
     def __init__(self, jobs: int) -> None:
+        """Raises SolveError where the system allows too few open files for them."""
+        check_handles(jobs)
         self.jobs = jobs
         self._files: weakref.WeakKeyDictionary[Make, Path] = weakref.WeakKeyDictionary()
         self._processes: Any = None
@@ -125,7 +133,13 @@ class Local:
             path = Path(tempfile.gettempdir()) / f"tyrefrf-{uuid4().hex}"
             _removed_in_any_case(path)
             weakref.finalize(make, _remove, path)
-            joblib.dump(make, path)
+            try:
+                joblib.dump(make, path)
+            except OSError as error:
+                raise SolveError(
+                    f"{path}, for the processes, cannot be written: {error.strerror or error}; "
+                    "TMPDIR names another directory, and --jobs 1 does without"
+                ) from error
             self._files[make] = path
         return self._files[make]
 
@@ -146,6 +160,24 @@ class Local:
         if self._processes is not None:
             self._processes.shutdown(kill_workers=True)
             self._processes = None
+
+
+def check_handles(jobs: int) -> None:
+    """Raise SolveError where so many processes need more open files than are allowed.
+
+    Short of them, loky fails in ways of its own (joblib 1.6).
+    """
+    try:
+        import resource
+    except ImportError:  # Windows has no such limit
+        return
+    allowed, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    needed = len(list(Path("/dev/fd").iterdir())) + HANDLES + HANDLES_PER_JOB * jobs
+    if allowed != resource.RLIM_INFINITY and needed > allowed:
+        raise SolveError(
+            f"{jobs} processes need {needed} open files, and {allowed} are allowed: raise that "
+            "(ulimit -n), or use fewer --jobs; one needs none of its own"
+        )
 
 
 def _processes(jobs: int) -> Any:

@@ -110,12 +110,8 @@ def export(
     wanted = _wanted(results, quantity, reference)
     written = []
     for path, write in _tasks(Path(stem), formats, wanted):
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with whole_file(path) as temporary:
-                write(temporary)
-        except OSError as error:
-            raise ResultsError(f"{path}: cannot be written: {error}") from error
+        with whole_file(path, make_directory=True) as temporary:
+            write(temporary)
         written.append(path)
     return written
 
