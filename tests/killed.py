@@ -55,6 +55,6 @@ def workers_of(pid):
         ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(pid)],
         capture_output=True,
         text=True,
-        check=True,
+        check=False,
     )
     return [int(line.split()[0]) for line in done.stdout.splitlines() if "LokyProcess" in line]

@@ -1,6 +1,6 @@
 """`python -m tyrefrf` is `tyrefrf`."""
 
-from tyrefrf.cli.main import main
+from tyrefrf.cli.main import command
 
 if __name__ == "__main__":
-    main()
+    command()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,6 +11,8 @@ from types import FrameType
 
 HEEDED = ("SIGINT", "SIGTERM", "SIGHUP")
 """Ctrl-C; the end that a batch system or `kill` asks for; a terminal that is closed."""
+
+SOON = 0.01  # seconds
 
 
 class Interrupted(BaseException):
@@ -51,10 +54,43 @@ def heeding_signals() -> Iterator[None]:
             signal.signal(each, signal.SIG_DFL)
         raise Interrupted(number)
 
+    with _heard():
+        try:
+            for number in heeded:
+                signal.signal(number, interrupt)
+            yield
+        finally:
+            for number in heeded:
+                signal.signal(number, before[number])
+
+
+@contextmanager
+def _heard() -> Iterator[None]:
+    """Raise Interrupted once more where Python could not let it through.
+
+    An exception that comes up while an object is being destroyed is only printed.
+    """
+    if not hasattr(signal, "setitimer"):  # Windows
+        yield
+        return
+    before = sys.unraisablehook, signal.getsignal(signal.SIGALRM)
+
+    def not_let_through(what: sys.UnraisableHookArgs) -> None:
+        if not isinstance(what.exc_value, Interrupted):
+            before[0](what)
+            return
+        number = what.exc_value.number
+
+        def again(alarm: int, frame: FrameType | None) -> None:
+            raise Interrupted(number)
+
+        signal.signal(signal.SIGALRM, again)
+        signal.setitimer(signal.ITIMER_REAL, SOON)
+
+    sys.unraisablehook = not_let_through
     try:
-        for number in heeded:
-            signal.signal(number, interrupt)
         yield
     finally:
-        for number in heeded:
-            signal.signal(number, before[number])
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        sys.unraisablehook = before[0]
+        signal.signal(signal.SIGALRM, before[1])

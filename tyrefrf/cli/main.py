@@ -7,6 +7,7 @@ lines failed, or breached their proof; 2: the case or the command line is wrong.
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from enum import StrEnum
 from pathlib import Path
@@ -597,6 +598,14 @@ def _version(
 
         typer.echo(version_of("tyrefrf"))
         raise typer.Exit
+
+
+def command() -> None:
+    """The program `tyrefrf`: `main`, and a Ctrl-C while the interpreter ends only ends it."""
+    try:
+        main()
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def main() -> None:

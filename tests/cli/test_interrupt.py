@@ -1,0 +1,91 @@
+"""A signal ends the work once, in order, wherever it comes; and what was ignored stays ignored."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from tyrefrf.cli.interrupt import Interrupted, heeding_signals
+
+
+def send(number):
+    os.kill(os.getpid(), number)
+    time.sleep(1.0)  # until it has come
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_is_raised_with_its_exit_status(number):
+    words = f"interrupted by {number.name}"
+    with pytest.raises(Interrupted, match=words) as raised, heeding_signals():
+        send(number)
+    assert raised.value.status == 128 + number
+
+
+def test_afterwards_signals_do_what_they_did():
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    hook = sys.unraisablehook
+    with pytest.raises(Interrupted), heeding_signals():
+        send(signal.SIGTERM)
+    assert {number: signal.getsignal(number) for number in before} == before
+    assert sys.unraisablehook is hook
+
+
+def test_an_ignored_signal_stays_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with heeding_signals():
+            send(signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+class Destroyed:
+    """An object in whose destruction a signal comes, and Python lets no exception through."""
+
+    def __del__(self):
+        send(signal.SIGTERM)
+
+
+def test_a_signal_in_an_object_s_destruction_is_not_lost():
+    def destroyed():
+        del [Destroyed()][0]
+        time.sleep(5.0)
+        pytest.fail("the signal was lost")
+
+    with pytest.raises(Interrupted, match="SIGTERM"), heeding_signals():
+        destroyed()
+
+
+def test_a_second_signal_ends_the_process_at_once():
+    program = """
+import os, signal, time
+from tyrefrf.cli.interrupt import Interrupted, heeding_signals
+with heeding_signals():
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(5.0)
+    except Interrupted:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(5.0)
+"""
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == -signal.SIGINT
+
+
+def test_in_another_thread_nothing_is_asked_for():
+    before = signal.getsignal(signal.SIGTERM)
+    seen = []
+
+    def work():
+        with heeding_signals():
+            seen.append(signal.getsignal(signal.SIGTERM))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert seen == [before]
