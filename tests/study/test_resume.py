@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from small import case_with
 
+import tyrefrf
 from tyrefrf.case import make_grid
 from tyrefrf.errors import CommandError
 from tyrefrf.results.journal import Journal
@@ -134,7 +135,6 @@ def test_a_changed_case_is_refused_with_what_changed(left):
         "begun with another case:",
         "  materials.rubber.E: 80000000.0 -> 90000000.0",
         "  materials.rubber.eta: 0.1 -> 0.0",
-        "--force begins anew, --output DIR writes somewhere else",
     ]
 
 
@@ -178,3 +178,23 @@ def test_lines_that_failed_are_tried_again(tmp_path):
     results, n_lines = gone_on_with(run, tmp_path / "j", [*answered, failed])
     assert_same_digits(results, whole)
     assert n_lines == 4
+
+
+def test_from_python_a_journal_is_begun_and_gone_on_with(tmp_path, monkeypatch):
+    file, case = tmp_path / "tyre.journal", case_with(LINES)
+    first = tyrefrf.run(case, jobs=1, journal=file)
+    monkeypatch.setattr("tyrefrf.study.spectrum.prepare", lambda *_: pytest.fail("prepared"))
+    assert_same_digits(tyrefrf.run(case, jobs=1, journal=file), first)
+    with pytest.raises(CommandError, match="begun with another case"):
+        tyrefrf.run(case_with(), journal=file)
+
+
+def test_from_python_a_sweep_is_gone_on_with_by_the_same_values_only(tmp_path, monkeypatch):
+    file, values = tmp_path / "sweep.journal", {"E_rubber": [40e6, 80e6]}
+    first = tyrefrf.sweep(case_with(), values, jobs=1, journal=file)
+    monkeypatch.setattr("tyrefrf.study.spectrum.prepare", lambda *_: pytest.fail("prepared"))
+    again = tyrefrf.sweep(case_with(), values, jobs=1, journal=file)
+    for point, expected in zip(again.points, first.points, strict=True):
+        assert_same_digits(point, expected)
+    with pytest.raises(CommandError, match=r"E_rubber = 40 MPa, 80 MPa -> E_rubber = 40 MPa, 90"):
+        tyrefrf.sweep(case_with(), {"E_rubber": [40e6, 90e6]}, journal=file)

@@ -27,12 +27,20 @@ def take_up(target: Path, case: Case, kind: type[Responses]) -> tuple[Case, Left
     left = left_by(target)
     if left is None:
         return case, None
-    try:
+    with as_another(target):
         if not isinstance(left.results, kind):
-            raise CommandError("holds results of another command; --output DIR writes elsewhere")
+            raise CommandError("holds results of another command")
         return resumed(case, left), left
+
+
+@contextmanager
+def as_another(target: Path) -> Iterator[None]:
+    """Say what may be done about results that cannot be gone on with."""
+    try:
+        yield
     except CommandError as error:
-        raise CommandError(f"{target}: {error}") from None
+        what = "--force begins anew, --output DIR writes somewhere else"
+        raise CommandError(f"{target}: {error}\n{what}") from None
 
 
 def is_done(target: Path, left: Left) -> bool:
@@ -51,8 +59,7 @@ def journalled(target: Path, left: Left | None) -> Iterator[Journal]:
     """
     from tyrefrf.results.journal import Journal, journal_of
 
-    known = [line for line in left.lines if line.has_answer] if left else []
-    with Journal(journal_of(target), known) as journal:
+    with Journal(journal_of(target), left.answered if left else ()) as journal:
         try:
             yield journal
         except Interrupted as interrupt:

@@ -17,7 +17,6 @@ from tyrefrf.errors import CaseError, CommandError
 
 if TYPE_CHECKING:
     from tyrefrf.case import Case, Grid, Values
-    from tyrefrf.case.axis import Axis
     from tyrefrf.results import Results, SweepResults
     from tyrefrf.results.proof import Measure
     from tyrefrf.study.executor import Executor
@@ -105,17 +104,19 @@ def _solved(
 ) -> SweepResults:
     """The results of a sweep, in their file; what an earlier one has solved is not solved again."""
     from tyrefrf.case import make_grid
-    from tyrefrf.cli.journal import is_done, journalled, take_up
+    from tyrefrf.cli.journal import as_another, is_done, journalled, take_up
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.results import SweepResults, write_sweep
+    from tyrefrf.study.resume import check_axes
     from tyrefrf.study.sweep import run_sweep
 
     case, left = take_up(target, grid.base, SweepResults) if resume else (grid.base, None)
     if left is not None:
         grid = make_grid(case, wanted)
-        assert isinstance(left.results, SweepResults)  # `take_up` saw to it
-        _check_axes(target, left.results.axes, grid.axes)
+        with as_another(target):
+            check_axes(grid.axes, left)
         if is_done(target, left):
+            assert isinstance(left.results, SweepResults)  # `take_up` saw to it
             return left.results
     n_points = len(grid.cases)
     n_lines = n_points * len(case.frequency.lines())
@@ -128,23 +129,6 @@ def _solved(
         write_sweep(target, sweep)
         journal.remove()
     return sweep
-
-
-def _check_axes(target: Path, before: Sequence[Axis], now: Sequence[Axis]) -> None:
-    """Raise CommandError where a sweep was begun with other parameters or values."""
-    if tuple(before) == tuple(now):
-        return
-    words = " -> ".join(
-        "; ".join(
-            f"{axis.name} = {_listed([axis.text(i) for i in range(len(axis.values))])}"
-            for axis in axes
-        )
-        for axes in (before, now)
-    )
-    raise CommandError(
-        f"{target}: begun with other parameters: {words}; --force begins anew, --output DIR "
-        "writes somewhere else"
-    )
 
 
 @contextmanager

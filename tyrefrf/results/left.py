@@ -41,9 +41,14 @@ class Left:
         return not self.results.n_missing and not self.results.n_failed
 
     @property
+    def answered(self) -> tuple[TimedLine, ...]:
+        """The lines that have an answer, each once."""
+        return tuple({line.place: line for line in self.lines if line.has_answer}.values())
+
+    @property
     def n_there(self) -> int:
         """How many lines have an answer."""
-        return len({line.place for line in self.lines if line.has_answer})
+        return len(self.answered)
 
     @property
     def n_lines(self) -> int:

@@ -1,22 +1,25 @@
-"""Whether a run that was ended can be gone on with: only by the same program, for the same case."""
+"""Going on with a run that was ended: only by the same program, and for the same case."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from tyrefrf.case import Case, case_hash, resolved_toml
+from tyrefrf.case.axis import Axis
 from tyrefrf.errors import CommandError, Key, Problem
-from tyrefrf.results import Provenance
-from tyrefrf.results.left import Left
+from tyrefrf.results import Provenance, SweepResults
+from tyrefrf.results.journal import Journal
+from tyrefrf.results.left import Left, read_journal
 from tyrefrf.study.choose import with_solver
+from tyrefrf.study.spectrum import UNRECORDED, Record
 
 MOST_SHOWN = 10
 """Differences between two cases in a message."""
-
-BEGIN_ANEW = "--force begins anew, --output DIR writes somewhere else"
 
 
 def resumed(case: Case, left: Left) -> Case:
@@ -29,13 +32,47 @@ def resumed(case: Case, left: Left) -> Case:
     if origin.version != version("tyrefrf"):
         raise CommandError(
             f"begun by tyrefrf {origin.version}, and this is {version('tyrefrf')}: lines of both "
-            f"in one file would not be one result; {BEGIN_ANEW}"
+            "in one file would not be one result"
         )
     if case.solver.name == "auto":
         case = with_solver(case, origin.solver)
     if case_hash(case) != origin.case_hash:
-        raise CommandError("\n".join([*_what_differs(origin, case), BEGIN_ANEW]))
+        raise CommandError("\n".join(_what_differs(origin, case)))
     return case
+
+
+def check_axes(now: Sequence[Axis], left: Left) -> None:
+    """Raise CommandError where the sweep that left this had other parameters or values."""
+    assert isinstance(left.results, SweepResults)
+    before = left.results.axes
+    if before != tuple(now):
+        raise CommandError(f"begun with other parameters: {_of(before)} -> {_of(now)}")
+
+
+def _of(axes: Sequence[Axis]) -> str:
+    """Parameters and their values."""
+    texts = (
+        f"{axis.name} = {', '.join(axis.text(i) for i in range(len(axis.values)))}" for axis in axes
+    )
+    return "; ".join(texts)
+
+
+@contextmanager
+def recorded(case: Case, file: str | Path | None) -> Iterator[tuple[Case, Record, Left | None]]:
+    """A journal at `file`, with what is there; the case as `resumed` decides it; and what was left.
+
+    Without a file nothing is recorded. Raises CommandError as `resumed`, and ResultsError where the
+    file is no journal.
+    """
+    if file is None:
+        yield case, UNRECORDED, None
+        return
+    path = Path(file)
+    left = read_journal(path) if path.exists() else None
+    if left is not None:
+        case = resumed(case, left)
+    with Journal(path, left.answered if left else ()) as journal:
+        yield case, journal, left
 
 
 def _what_differs(origin: Provenance, case: Case) -> Iterator[str]:
@@ -44,7 +81,7 @@ def _what_differs(origin: Provenance, case: Case) -> Iterator[str]:
     places = [place for place in {**before, **now} if before.get(place) != now.get(place)]
     places = [place for place in places if place[0] != "sweep"]  # has no part in the hash
     if not places:
-        yield "begun with other contents of the files that the case names:"
+        yield "begun with other contents of the files that the case names"
         return
     yield "begun with another case:"
     for place in places[:MOST_SHOWN]:

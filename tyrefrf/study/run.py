@@ -21,21 +21,32 @@ from tyrefrf.study.choose import decided_model
 from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.model import Model, build_model
+from tyrefrf.study.resume import recorded
 from tyrefrf.study.spectrum import UNRECORDED, Fit, Progress, Record, Spectrum
 
 
-def run(case: Case | str | Path, *, jobs: Workers | None = None, certify: bool = False) -> Results:
+def run(
+    case: Case | str | Path,
+    *,
+    jobs: Workers | None = None,
+    certify: bool = False,
+    journal: str | Path | None = None,
+) -> Results:
     """Compute a case, or the case in a file, from Python: `tyrefrf.run("case.toml")`.
 
     jobs: processes, all cores by default, or a cluster's: `with tyrefrf.cluster(address) as jobs`.
     certify: whether another solver and a ring of finer cells solve a sample of the lines too.
-    Raises CaseError and MeshError as `run_case`.
+    journal: file to which every line is added as soon as it is solved. Where it is there, its lines
+        are not solved again; it stays until you remove it.
+    Raises CaseError and MeshError as `run_case`; CommandError where the journal is that of another
+    case.
     """
     text = ""
     if not isinstance(case, Case):
         path = Path(case)
         case, text = load_case(path), read_text(path)
-    results = run_case(case, jobs=jobs, case_text=text)
+    with recorded(case, journal) as (decided, record, _):
+        results = run_case(decided, jobs=jobs, case_text=text, record=record)
     return certified(plan_certificate(case, results), jobs or cores()) if certify else results
 
 

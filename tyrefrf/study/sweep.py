@@ -18,27 +18,37 @@ from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.model import Model, Workshop
+from tyrefrf.study.resume import check_axes, recorded
 from tyrefrf.study.run import no_line, provenance_of, results_of, resumed_lines, sizes
 from tyrefrf.study.spectrum import UNRECORDED, Progress, Record, Spectrum
 
 
 def sweep(
-    case: Case | str | Path, parameters: Mapping[str, Values | None], *, jobs: Workers | None = None
+    case: Case | str | Path,
+    parameters: Mapping[str, Values | None],
+    *,
+    jobs: Workers | None = None,
+    journal: str | Path | None = None,
 ) -> SweepResults:
     """Compute a case on a grid: `tyrefrf.sweep("case.toml", {"E_rubber": ["14 MPa", 28e6]})`.
 
     parameters: by place or short name, each with its values as `[sweep]` takes them, or None for
-    the values in the case's own `[sweep]`. jobs: as `run` takes them.
-    Raises CaseError with everything that is wrong with any point.
+    the values in the case's own `[sweep]`. jobs, journal: as `run` takes them.
+    Raises CaseError with everything that is wrong with any point; CommandError as `run`.
     """
     wanted = {
         name: tuple(values) if isinstance(values, list) else values
         for name, values in parameters.items()
     }
-    if isinstance(case, Case):
-        return run_sweep(make_grid(case, wanted), jobs=jobs)
-    path = Path(case)
-    return run_sweep(make_grid(load_case(path), wanted), jobs=jobs, case_text=read_text(path))
+    text = ""
+    if not isinstance(case, Case):
+        path = Path(case)
+        case, text = load_case(path), read_text(path)
+    with recorded(case, journal) as (decided_case, record, left):
+        grid = make_grid(decided_case, wanted)
+        if left is not None:
+            check_axes(grid.axes, left)
+        return run_sweep(grid, jobs=jobs, case_text=text, record=record)
 
 
 @pinned
