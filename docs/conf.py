@@ -55,6 +55,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "figures",
     "gallery_dirs": "gallery",
     "ignore_pattern": r"measures\.py$",  # what the scripts share
+    "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("pictures.scraped",),
     "capture_repr": ("_repr_html_",),
     "reset_modules": (),

@@ -18,4 +18,4 @@ def scraped(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]
     copies = [next(block_vars["image_path_iterator"]) for _ in shown]
     for picture, copy in zip(shown, copies, strict=True):
         shutil.copy(picture, copy)
-    return figure_rst(copies, gallery_conf["src_dir"])
+    return "\n".join(figure_rst([copy], gallery_conf["src_dir"]) for copy in copies)

@@ -1,18 +1,15 @@
-"""Measure this program's table 2, and figure 8's comparison with modal synthesis.
+"""Measure this program's table 2.
 
-    python docs/paper/make_table.py
+    python docs/validation/make_table.py
 
-Writes table2.md and figure08_modal.png beside this; wants a quiet machine. Nothing is typed but the
-paper's own numbers.
+Writes table2.md beside this; wants a quiet machine. Nothing is typed but the paper's own numbers.
 """
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 from tyrefrf.cli.comparing import comparison_summary, in_markdown, pair_table, table_of
-from tyrefrf.plots import draw_plots
 from tyrefrf.results import Comparison
 from tyrefrf.solvers.direct import check_library
 from tyrefrf.study.compare import compare
@@ -48,24 +45,20 @@ The paper's table 2, on its computer of 2011 (core 2 quad, 4 GB):
 | Ansys 3D with 1000 modes | 3 s | 28 GB |
 | recursive method | 10 s | 2 MB |
 
-Made by `python docs/paper/make_table.py`; the same for any case: `tyrefrf compare CASE --solvers
-recursive,cyclic,direct,modal`.
+Made by `python docs/validation/make_table.py`; the same for any case: `tyrefrf compare CASE
+--solvers recursive,cyclic,direct,modal`.
 
-## The recursion and modal synthesis
-
-As in the paper's figure 8, where they agree up to 800 Hz, the limit of its modes:
-
-![Mobilities by the recursion and by modal synthesis](figure08_modal.png)
+How far the recursion and modal synthesis agree, and up to which frequency, is figure 8 of the
+[gallery](../gallery/index.rst).
 """
 
 
 def main() -> None:
-    """Measure both."""
+    """Measure it."""
     case = CASES / "figure08.toml"
     measured = compare(case, ["recursive", "cyclic", "direct", "modal"], lines=LINES)
     page = HERE / "table2.md"
     page.write_text(page_of(measured), encoding="utf-8")
-    overlay(compare(case, ["recursive", "modal"]))
     print(page)
 
 
@@ -85,14 +78,6 @@ def page_of(measured: Comparison) -> str:
         library=check_library("auto"),
         last=min(remarks).rpartition("at ")[2] if remarks else "above the last line",
     )
-
-
-def overlay(found: Comparison) -> None:
-    """Keep the figure of the first load."""
-    scratch = HERE / "scratch"
-    drawn = draw_plots(found, scratch)
-    drawn[0].replace(HERE / "figure08_modal.png")
-    shutil.rmtree(scratch)
 
 
 if __name__ == "__main__":

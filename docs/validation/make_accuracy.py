@@ -1,8 +1,8 @@
 """Hold every solver against every other and write the page beside this.
 
-    python docs/accuracy/make_accuracy.py [LINES]
+    python docs/validation/make_accuracy.py [LINES]
 
-LINES: how many lines, 12 by default. The page, README.md, holds what was computed; nothing in it
+LINES: how many lines, 12 by default. The page, accuracy.md, holds what was computed; nothing in it
 is typed.
 """
 
@@ -60,8 +60,8 @@ def main(n_lines: int) -> None:
     for title in ("Homogeneous", "Layered, with steel"):
         page.append(f"### {title}\n\n{convergence(problems[title][1])}")
     page.append(CALCULIX)
-    (HERE / "README.md").write_text("\n\n".join(page) + "\n", encoding="utf-8")
-    print(HERE / "README.md")
+    (HERE / "accuracy.md").write_text("\n\n".join(page) + "\n", encoding="utf-8")
+    print(HERE / "accuracy.md")
 
 
 HEAD = """\
@@ -76,7 +76,7 @@ Re Y / |Y| of all driving points, which is not to be negative. `{plain}` is the 
 paper writes it, without symmetries and with one chain all around. `modal` has all modes of the
 ring here, so that nothing is truncated; what fewer do stands below.
 
-Made by `python docs/accuracy/make_accuracy.py` on {machine}."""
+Made by `python docs/validation/make_accuracy.py` on {machine}."""
 
 CONVERGENCE_HEAD = """\
 ## Modes superposed: how many are enough
