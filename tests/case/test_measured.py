@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import re
-from pathlib import Path
 
 import pytest
 from small import TEXT, text_with
@@ -27,6 +25,21 @@ file = "lab.csv"
 load = "radial"
 probe = "sidewall"
 quantity = "mobility"
+"""
+TWO_FILES = """
+[[measured]]
+file = "bench/tread.uff"
+response = { node = 12, direction = "-z" }
+load = "radial"
+probe = "sidewall"
+scale = -1.0
+
+[[measured]]
+file = "bench/drive.csv"
+columns = { frequency = 1, level = 2, phase = 3 }
+quantity = "accelerance"
+load = "radial"
+probe = "radial.drive"
 """
 FIRST = TEXT.count("\n") + 2  # the line of [[measured]]
 
@@ -148,10 +161,8 @@ def test_a_curve_has_a_name(keys, label):
     assert MeasuredFile.model_validate({"load": "a", "probe": "b"} | keys).label == label
 
 
-def test_the_readme_s_example_is_right():
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    (example,) = re.findall(r"^```toml\n(\[\[measured\]\]\n.*?)^```$", readme, re.M | re.S)
-    uff, csv = parse_case(f"{TEXT}\n{example}", "t.toml", "small").measured
+def test_what_the_files_are_follows_from_their_names_and_keys():
+    uff, csv = parse_case(TEXT + TWO_FILES, "t.toml", "small").measured
     assert (uff.is_uff, uff.response.code, uff.scale) == (True, -3, -1.0)
     assert csv.columns.parts == ("level", "phase")
 

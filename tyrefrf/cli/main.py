@@ -128,7 +128,7 @@ def run(
 
     More than one machine: dask scheduler; dask worker ADDRESS --nworkers 8 --nthreads 1 on each;
     then --scheduler ADDRESS. Needs pip install "tyrefrf[cluster]". On SLURM, dask-jobqueue
-    starts them: see the README.
+    starts them: see docs/howto/clusters.md.
 
     For example:
 

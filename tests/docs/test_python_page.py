@@ -1,43 +1,36 @@
-"""The examples of docs/scripting.md run as they stand, beside the case files that it shows."""
+"""The three examples of the page on Python give what they promise."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray
+from pages import DOCS, Follower, blocks
 
 import tyrefrf
 
-PAGE = Path(__file__).parents[2] / "docs" / "scripting.md"
+PAGE = DOCS / "howto" / "python.md"
 EXAMPLES = 3
-
-
-def blocks(language: str) -> list[str]:
-    """The page's fenced blocks of a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
 def example(tmp_path, monkeypatch):
-    """Runs one of the examples, from 1; its names."""
-    for text in blocks("toml"):
-        (tmp_path / text.partition("\n")[0].removeprefix("# ")).write_text(text)
+    """Runs one of the examples, from 1, beside the case files of the page; its names."""
     monkeypatch.chdir(tmp_path)
+    follower = Follower(tmp_path)
+    python = [block for block in blocks(PAGE) if block.language == "python"]
+    assert len(python) == EXAMPLES
+    for block in blocks(PAGE):
+        if block.file:
+            follower.follow(block, PAGE.name)
 
     def run(number: int) -> dict[str, Any]:
-        names: dict[str, Any] = {}
-        exec(compile(blocks("python")[number - 1], f"{PAGE}: example {number}", "exec"), names)
-        return names
+        follower.follow(python[number - 1], f"{PAGE.name}: example {number}")
+        return follower.names
 
     return run
-
-
-def test_all_examples_are_run_here():
-    assert len(blocks("python")) == EXAMPLES
 
 
 def test_a_run(example, capsys):
