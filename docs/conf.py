@@ -50,7 +50,8 @@ add_module_names = False
 numpydoc_show_class_members = False
 toc_object_entries = False
 
-# The gallery: every script is run, and one that fails fails the build.
+# The gallery: every script is run, and one that fails fails the build. Where docs/gallery/ is left
+# from the last time, only scripts that have changed are run again.
 sphinx_gallery_conf = {
     "examples_dirs": "figures",
     "gallery_dirs": "gallery",

@@ -223,7 +223,7 @@ def _parts(line: str) -> tuple[str, list[float]]:
 
 
 def installable() -> set[str]:
-    """What `pip install` may be told to install: the program with each of its extras."""
+    """What `pip install` may be told to install: the program, with each of its extras."""
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
     extras = project["project"]["optional-dependencies"]
-    return {"tyrefrf", *(f"tyrefrf[{extra}]" for extra in extras)}
+    return {".", *(f"tyrefrf[{extra}]" for extra in extras)}

@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sphinx.application import Sphinx
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 NAMES = r"(?!Sources?: )[A-Za-z_]\w*(?:, [A-Za-z_]\w*)*: "
 NAMED = re.compile(rf"(?P<names>{NAMES})(?P<words>.+)")

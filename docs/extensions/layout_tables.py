@@ -28,7 +28,7 @@ LAYOUTS: dict[str, tuple[Field, ...]] = {
 TYRE = {field.name for field in tyre_fields(with_inflation=True)}
 
 KINDS = {
-    "text": "text (UTF-8)",
+    "text": "text",
     "complex": "complex (r, i)",
     "float": "float64",
     "int": "int64",

@@ -38,6 +38,13 @@ def test_a_page_can_be_followed_from_its_first_line_to_its_last(page, tmp_path, 
             follower.follow(block, f"{name_of(page)}:{block.line}")
 
 
+def test_the_links_of_the_readme_lead_somewhere():
+    text = README.read_text(encoding="utf-8")
+    links = re.findall(r"\]\((?!https?:)([^)#]+)\)", text)
+    assert len(links) > 20
+    assert [link for link in links if not (ROOT / link).is_file()] == []
+
+
 @pytest.mark.parametrize("page", [README, *pages()], ids=name_of)
 def test_no_block_escapes_those_who_execute_them(page):
     fences = re.findall(r"^[ \t]*(?:```|~~~)", page.read_text(encoding="utf-8"), re.MULTILINE)
