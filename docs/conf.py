@@ -21,6 +21,7 @@ html_show_copyright = False
 html_copy_source = False
 html_show_sourcelink = False
 highlight_language = "text"  # where a block does not name its own
+smartquotes = False  # names in quotation marks are to be typed
 exclude_patterns = ["README.md", "figures"]  # `figures` is where the gallery's scripts are
 
 extensions = [
@@ -45,6 +46,7 @@ math_eqref_format = "[{number}]"
 
 # From Python: public names as they are imported.
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "none"  # the docstrings say what is taken, shapes and units included
 add_module_names = False
 numpydoc_show_class_members = False
