@@ -22,11 +22,16 @@ from fem.blocks import cell_of, order_matrix, rectangle, section
 from scipy.linalg import eigh
 
 from tyrefrf.arrays import ComplexArray, FloatArray
+from tyrefrf.case import Cord, Damping, FractionalZener, Ply, Viscoelastic
 from tyrefrf.errors import SolveError
+from tyrefrf.fem.assembly import CellMatrices, assemble_cell
+from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.elasticity import isotropic
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.fem.frames import axes
 from tyrefrf.fem.inflation import Inflatable, Inflation
+from tyrefrf.fem.orientation import in_bricks
+from tyrefrf.fem.statics import PeriodicCell
 from tyrefrf.mesh.cell import CellMesh, revolve
 from tyrefrf.mesh.section import SectionMesh
 
@@ -243,3 +248,67 @@ def test_ring_buckles_where_the_load_follows_and_later_where_it_does_not():
 def test_bricks_without_finite_strain_refuse(name):
     with pytest.raises(SolveError, match="finite-strain"):
         free_torus(name, "nonlinear", 1e5)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e6])
+@finite
+def test_newton_converges_however_small_the_pressure_is_beside_the_stiffness(name, stiffness):
+    """Strains of 1e-4 and of 1e-10: what rounds off must round off with the strain."""
+    element, p = ELEMENTS[name], 1e3
+    mesh, held = plane_ring(element, 0.25, 0.30, n_cells=60, n_through=2)
+    cell = replace(
+        cell_of(mesh, element, stiffness * E, NU, RHO), fixed=without_turning(mesh, held).ravel()
+    )
+    C = {"rubber": isotropic(stiffness * E, NU)}
+    linear, newton = (getattr(Inflatable(mesh, element, cell, C, C), kind)(p) for kind in KINDS)
+    assert [step.share for step in newton.steps] == [1.0]
+    departure = np.linalg.norm(newton.displacement - linear.displacement)
+    assert departure < 3e-3 / stiffness * np.linalg.norm(linear.displacement) + 1e-15
+
+
+CORDS = Ply(
+    kind="ply",
+    cord=Cord(E=2e9, nu=0.3, rho=1400.0),
+    rubber=Viscoelastic(
+        nu=0.48,
+        rho=1100.0,
+        modulus=FractionalZener(kind="zener", E_0=6e6, E_inf=1e9, tau=1e-6, alpha=0.5),
+    ),
+    volume_fraction=0.3,
+    angles=(20.0, -20.0),
+)
+
+
+def inflated_cords(pressure: float) -> tuple[CellMatrices, CellMatrices]:
+    """A ring of plies at rest, and under pressure by Newton's method."""
+    element, law = ELEMENTS["hex20r"], constitutive(CORDS)
+    mesh, held = plane_ring(element, 0.25, 0.30, n_cells=60, n_through=2)
+    cell = assemble_cell(mesh, {"rubber": CORDS}, element, Damping())
+    cell = replace(cell, fixed=without_turning(mesh, held).ravel())
+    C = {"rubber": in_bricks(law, law.reference, element, mesh.cartesian[mesh.bricks])}
+    state = Inflatable(mesh, element, cell, C, C).nonlinear(pressure)
+    return cell, state.applied_to(cell, pressure_stiffness=True)
+
+
+@pytest.mark.parametrize("hertz", [0.0, 100.0, 2000.0])
+def test_under_next_to_no_pressure_plies_relax_as_they_do_at_rest(hertz):
+    at_rest, inflated_by_a_breath = inflated_cords(1e-4)
+    D, expected = (
+        cell.dynamic_stiffness(2.0 * np.pi * hertz) for cell in (inflated_by_a_breath, at_rest)
+    )
+    assert np.abs(D - expected).max() < 1e-8 * np.abs(expected).max()
+
+
+def test_at_0_hz_plies_under_pressure_have_the_stiffness_that_they_were_inflated_with():
+    at_rest, taut = inflated_cords(1e4)
+    K = taut.K["rubber"]
+    relaxed = taut.relaxation["rubber"].stiffness(K, 0.0)
+    assert np.abs(relaxed - K).max() < 1e-10 * np.abs(K).max()
+    assert np.abs(K - at_rest.K["rubber"]).max() > 1e-4 * np.abs(K).max()  # its shape is another
+
+
+def test_a_stiffness_that_nothing_holds_is_refused():
+    mesh = torus(ELEMENTS["hex8"])
+    cell = cell_of(mesh, ELEMENTS["hex8"], E, NU, RHO)
+    with pytest.raises(SolveError, match="nothing holds the tyre"):
+        PeriodicCell(cell).solve(0.0 * cell.M, np.ones(cell.n_own))

@@ -1,7 +1,8 @@
 """Bricks under stress: geometric stiffness, and finite strains about the shape at rest.
 
-Total Lagrangian: F = I + du/dX, Green-Lagrange strain E = (F^T F - I)/2, second Piola-Kirchhoff
-stress S = C : E (St. Venant-Kirchhoff), all integrals over the shape at rest.
+Total Lagrangian: F = I + G with G = du/dX, Green-Lagrange strain E = (F^T F - I)/2 =
+(G + G^T + G^T G)/2, second Piola-Kirchhoff stress S = C : E (St. Venant-Kirchhoff), all integrals
+over the shape at rest.
 Source: Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, chapters 4-9.
 """
 
@@ -46,9 +47,10 @@ class Deformed:
     @classmethod
     def at(cls, H: FloatArray, dV: FloatArray, C: FloatArray, u: FloatArray) -> Deformed:
         """The state under displacements u (e, 3a) [m]; C: (6, 6) or (e, g, 6, 6) [Pa]."""
-        F = np.eye(3) + np.einsum("egijn,en->egij", H, u, optimize=True)
-        E = np.einsum("vkl,egik,egil->egv", VOIGT, F, F, optimize=True) / 2.0
-        E[..., :3] -= 0.5
+        G = np.einsum("egijn,en->egij", H, u, optimize=True)
+        E = np.einsum("vij,egij->egv", VOIGT, G)  # F^T F - I would round to 1e-16, however small
+        E += np.einsum("vkl,egik,egil->egv", VOIGT, G, G, optimize=True) / 2.0
+        F = np.eye(3) + G
         B = np.einsum("vkl,egik,egiln->egvn", VOIGT, F, H, optimize=True)
         return cls(B, np.einsum("...vw,...w->...v", C, E), H, dV)
 
