@@ -20,19 +20,22 @@ from rings import Ring, lopsided, lossless, ring_frequencies, tyre, with_steel_b
 from scipy.linalg import eigh, eigvals
 from scipy.optimize import brentq
 from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackNoConvergence
 
 from tyrefrf.arrays import ComplexArray, FloatArray
+from tyrefrf.case import Cord, FractionalZener, Ply, Viscoelastic
 from tyrefrf.errors import SolveError
 from tyrefrf.fem.assembly import CellMatrices
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.relaxation import Scaling
 from tyrefrf.fem.viscoelastic import Modulus, Prony, Tabled, Zener
 from tyrefrf.solvers import modes as modes_module
+from tyrefrf.solvers import own_moduli
 from tyrefrf.solvers.inertia import negative_eigenvalues, unstable_orders
 from tyrefrf.solvers.modal_loss import modal_loss
 from tyrefrf.solvers.modes import OrderModes, Pencil, Pencils, modes_below, ring_modes
 from tyrefrf.solvers.orders import Orders
-from tyrefrf.solvers.own_moduli import beside, orthonormal, own_ring_modes
+from tyrefrf.solvers.own_moduli import beside, crossing, orthonormal, own_ring_modes
 
 ROUND_OFF = 1e-9  # relative: omega_max^2 / omega_1^2 is 1e6 here, x eps, with margin
 RIGID = 1e-5  # rad/s over the highest omega: the square root of rounding, with margin
@@ -145,6 +148,40 @@ def test_modes_that_arpack_misses_are_found_all_the_same(lost, monkeypatch):
         np.testing.assert_allclose(one.omega, other.omega, rtol=1e-7)  # steel's rounding
 
 
+def doubled(shapes: ComplexArray) -> ComplexArray:
+    return shapes[:, np.zeros(shapes.shape[1], int)]
+
+
+def blurred(shapes: ComplexArray) -> ComplexArray:
+    return shapes + 1e-3 * np.random.default_rng(0).standard_normal(shapes.shape)
+
+
+@pytest.mark.parametrize("spoil", [doubled, blurred, lambda _: None])
+def test_what_arpack_finds_is_believed_only_where_it_solves_the_equations(spoil, monkeypatch):
+    honest = modes_module._by_lanczos
+    expected = ring_modes(layered().cell, 30, count=100)
+    monkeypatch.setattr(modes_module, "_by_lanczos", lambda *a: spoil(honest(*a)))
+    found = ring_modes(layered().cell, 30, count=100)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one.omega, other.omega, rtol=1e-7)  # steel's rounding
+        assert np.all(one.residual < 1e-6)
+
+
+def gives_up(*_args: object, **_options: object) -> None:
+    raise ArpackNoConvergence("no convergence", np.empty(0), np.empty(0))
+
+
+@pytest.mark.parametrize(
+    ("name", "answer"), [("eigsh", gives_up), ("symmetric_factor", lambda _: None)]
+)
+def test_where_arpack_gives_up_lapack_finds_the_modes(name, answer, monkeypatch):
+    expected = ring_modes(layered().cell, 30, count=100)
+    monkeypatch.setattr(modes_module, name, answer)
+    found = ring_modes(layered().cell, 30, count=100)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one.omega, other.omega, rtol=1e-7)  # steel's rounding
+
+
 def test_modes_that_no_method_finds_are_an_error(monkeypatch):
     for name in ("_by_lanczos", "_by_dense"):
         honest = getattr(modes_module, name)
@@ -227,10 +264,15 @@ def test_inertia_survives_a_pivot_of_zero():
     assert negative_eigenvalues(csc_array(hollow)) == expected
 
 
+def test_inertia_survives_a_matrix_without_an_inverse():
+    assert negative_eigenvalues(csc_array(np.diag([-1.0, 0.0, 2.0, -3.0]))) == 2
+
+
+@pytest.mark.parametrize("modes_of", [ring_modes, own_ring_modes])
 @pytest.mark.parametrize("wanted", [{}, {"below": 1.0, "count": 1}])
-def test_cutoff_or_number_must_be_given(wanted):
+def test_cutoff_or_number_must_be_given(wanted, modes_of):
     with pytest.raises(ValueError, match="either"):
-        ring_modes(coarse(3, True).cell, 3, **wanted)
+        modes_of(coarse(3, True).cell, 3, **wanted)
 
 
 def test_loss_of_one_material_is_its_loss_factor():
@@ -348,3 +390,63 @@ def test_loss_at_own_moduli_is_the_material_s_own():
     for m, loss in zip(modes, modal_loss(cell, 9, modes, None), strict=True):
         scale = np.array([law.scale(w) for w in m.omega])
         np.testing.assert_allclose(loss.loss_factor, scale.imag / scale.real, rtol=1e-8)
+
+
+CORDS = Ply(
+    kind="ply",
+    cord=Cord(E=2e9, nu=0.3, rho=1400.0),
+    rubber=Viscoelastic(
+        nu=0.48,
+        rho=1100.0,
+        modulus=FractionalZener(kind="zener", E_0=6e6, E_inf=1e9, tau=1e-6, alpha=0.5),
+    ),
+    volume_fraction=0.3,
+    angles=(20.0, -15.0),
+)
+"""Rubber alone relaxes, so frequency changes the form of the elasticity, not only its size."""
+
+
+@pytest.mark.parametrize("at", [None, HZ * 100.0])
+def test_loss_of_plies_is_that_of_the_stiffness_of_the_line(at):
+    cell = tyre("hex8i", 9, elements_along=6, stuff=CORDS).cell
+    modes, orders = ring_modes(cell, 9, count=12), Orders(cell)
+    for m, loss in zip(modes, modal_loss(cell, 9, modes, at), strict=True):
+        for k, omega in enumerate(m.omega):
+            D = cell.dynamic_stiffness(omega if at is None else at)  # Im D is K'' alone
+            lossy = orders.matrix(orders.folded(D.imag).at(2.0 * np.pi * m.order / 9))
+            lost = (m.shapes[:, k].conj() @ (lossy @ m.shapes[:, k])).real
+            assert loss.loss_factor[k] == pytest.approx(lost / omega**2, rel=1e-9)
+        np.testing.assert_allclose(loss.loss_share, 1.0, rtol=1e-12)
+
+
+def test_modes_of_plies_satisfy_the_equations_at_their_own_frequencies():
+    cell = tyre("hex8i", 9, elements_along=6, stuff=CORDS).cell
+    orders = Orders(cell)
+    modes = own_ring_modes(cell, 9, count=20)
+    assert len(all_omegas(modes)) in (20, 21)
+    for m in modes:
+        for k, omega in enumerate(m.omega):
+            D = orders.folded(cell.dynamic_stiffness(omega).real).at(2.0 * np.pi * m.order / 9)
+            mass = orders.folded(cell.M).at(2.0 * np.pi * m.order / 9)
+            lack, inertia = (orders.matrix(A) @ m.shapes[:, k] for A in (D, omega**2 * mass))
+            assert np.linalg.norm(lack) < 1e-7 * np.linalg.norm(inertia)
+
+
+def test_modes_that_do_not_settle_on_their_own_moduli_are_refused(monkeypatch):
+    monkeypatch.setattr(own_moduli, "ROUNDS", 1)
+    cell = relaxing(with_steel_belt(tyre("hex8i", 7, elements_along=6), 0.0), LAWS["prony"])
+    with pytest.raises(SolveError, match=r"order 0: .*do not settle"):
+        own_ring_modes(cell, 7, below=HZ * 2500.0)
+
+
+@pytest.mark.parametrize(
+    ("root", "crosses"),
+    [
+        (lambda omega: 600.0 - 500.0 * np.tanh((omega - 600.0) / 1e-3), 600.0),  # nearly jumps
+        (lambda omega: min(omega + 100.0, 600.0), 600.0),  # secants see no slope
+        (lambda omega: 1400.0 - 1e-3 * omega, 1400.0 / 1.001),
+        (lambda _: 0.0, 0.0),
+    ],
+)
+def test_a_crossing_is_found_where_the_modulus_throws_out_the_secants(root, crosses):
+    assert crossing(root, 100.0, 1500.0) == pytest.approx(crosses, abs=1e-7)
