@@ -27,7 +27,7 @@ from tyrefrf.case import (
     TabledModulus,
     Viscoelastic,
 )
-from tyrefrf.fem.assembly import Pattern, assemble_cell, dofs_of
+from tyrefrf.fem.assembly import CellAssembly, Pattern, assemble_cell, dofs_of
 from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.fem.frames import rotations, turned
@@ -233,6 +233,19 @@ def test_power_put_in_is_lost_in_the_rubber(stuff, omega):
     lost = 0.5 * omega * sum(np.einsum("al,al->l", x.conj(), loss @ x) for x in q)
     assert np.all(P > 0.0)
     np.testing.assert_allclose(lost, P, rtol=SOLVED)
+
+
+def test_a_second_laminate_on_the_same_bricks_is_as_if_assembled_anew():
+    """The parts of its stiffness are kept, what they are multiplied by is its own."""
+    element = ELEMENTS["hex8i"]
+    mesh = revolve(crooked_section(element), np.deg2rad(8.0), 1)
+    bricks = CellAssembly(mesh, element)
+    for stuff in (LAMINATES["one"], LAMINATES["three"], STUFF["wood"], LAMINATES["one"]):
+        again = bricks.cell({"rubber": stuff}, Damping())
+        anew = assemble_cell(mesh, {"rubber": stuff}, element, Damping())
+        np.testing.assert_array_equal(again.K["rubber"], anew.K["rubber"])
+        D, expected = (cell.dynamic_stiffness(900.0) for cell in (again, anew))
+        np.testing.assert_array_equal(D, expected)
 
 
 PLY_TEXT = """\

@@ -42,12 +42,13 @@ from tyrefrf.case import (
     Viscoelastic,
     load_case,
 )
-from tyrefrf.errors import SolveError
+from tyrefrf.errors import SingularError, SolveError
 from tyrefrf.fem.assembly import Pattern, at_rest, dofs_of
 from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.frames import rotations
 from tyrefrf.solvers import Cyclic, solve_line
 from tyrefrf.solvers.modal import Modal
+from tyrefrf.solvers.modal import at_rest as at_rest_of
 from tyrefrf.solvers.modes import lowest, ring_modes
 from tyrefrf.study.model import build_model
 
@@ -314,6 +315,14 @@ def test_free_tyre_at_0_hz_is_an_error_that_names_it(element):
         solve_line(problem, superposed(problem, 30), 0.0)
     with pytest.raises(SolveError, match=r"static_correction .*fix the rim"):
         superposed(problem, 30, static_correction=True)
+
+
+def test_a_stiffness_of_nothing_leaves_no_answer_at_0_hz_to_correct_with():
+    ring = tyre(n_cells=12, elements_along=4)
+    nothing = {name: 0.0 * K for name, K in ring.cell.K.items()}
+    problem = replace(ring.problem(loads(ring)), cell=replace(ring.cell, K=nothing))
+    with pytest.raises(SingularError, match=r"there is none \(exactly singular"):
+        at_rest_of(problem)
 
 
 @pytest.mark.parametrize("omega", omegas(0.5, 300.0))

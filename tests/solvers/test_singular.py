@@ -7,6 +7,8 @@ ring itself, and for a free tyre at 0 Hz, there is none.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rings import (
@@ -22,7 +24,7 @@ from rings import (
     with_steel_belt,
 )
 
-from tyrefrf.errors import SolveError
+from tyrefrf.errors import SingularError, SolveError
 from tyrefrf.solvers import SOLVERS, Direct, Recursive, factor, solve_line
 
 UNDAMPED = 1e-7  # a ring's own resonance is never far: measured 1e-12 to 1e-9
@@ -174,3 +176,16 @@ def test_damped_tyres_stay_far_from_the_singular_limit(ring, least, worst, monke
 
     assert {line.remark for line in lines} == {""}
     assert max(line.residual for line in lines) < 1e-8
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_tyre_without_any_stiffness_is_refused_at_0_hz(solver):
+    """Pivots that are exactly zero, not only to rounding."""
+    ring = tyre(n_cells=7, elements_along=4)
+    nothing = {name: 0.0 * K for name, K in ring.cell.K.items()}
+    problem = replace(ring.problem(loads(ring)), cell=replace(ring.cell, K=nothing))
+
+    with pytest.raises(SolveError, match=r"^0 Hz: .*singular"):
+        solve_line(problem, SOLVERS[solver](problem), 0.0)
+    with pytest.raises(SingularError, match="singular"):
+        SOLVERS[solver](problem).field(0.0)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from rings import Ring, lopsided, lossless, tyre, with_steel_belt
 from scipy.linalg import eig, eigh
+from scipy.sparse.linalg import ArpackNoConvergence
 
 from tyrefrf.errors import SolveError
 from tyrefrf.solvers import palindrome
@@ -248,3 +249,30 @@ def test_waves_that_are_not_all_are_refused(monkeypatch):
     monkeypatch.setattr(free, "search_dense", overlooks)
     with pytest.raises(SolveError, match=f"1500 Hz: {found - 1} free waves found of the {found}"):
         free_waves("damped").at(2.0 * np.pi * 1500.0, DECAY)
+
+
+def gives_up(*_args: object, **_options: object) -> None:
+    raise ArpackNoConvergence("no convergence", np.empty(0), np.empty(0))
+
+
+def test_where_arpack_gives_up_the_waves_are_found_all_at_once(monkeypatch):
+    omega = 2.0 * np.pi * 1500.0
+    complete = free_waves("damped").at(omega, DECAY)
+    monkeypatch.setattr(palindrome, "SMALL", 0)
+    monkeypatch.setattr(palindrome, "eigs", gives_up)
+    waves = free_waves("damped").at(omega, DECAY)
+    np.testing.assert_allclose(waves.order, complete.order, rtol=1e-9)
+
+
+def test_where_nothing_finds_the_waves_the_line_is_refused_with_its_reason(monkeypatch):
+    monkeypatch.setattr(palindrome, "SMALL", 0)
+    monkeypatch.setattr(palindrome, "eigs", gives_up)
+    monkeypatch.setattr(free, "search_dense", free.search_by_shifts)
+    with pytest.raises(SolveError, match=r"1500 Hz: free waves near lambda = .*no convergence"):
+        free_waves("damped").at(2.0 * np.pi * 1500.0, DECAY)
+
+
+def test_no_number_is_proved_by_a_circle_through_a_wave():
+    problem = free_waves("undamped").problem(2.0 * np.pi * 1500.0)
+    with pytest.raises(SolveError, match="lies on the circle"):
+        missed(problem, np.empty(0), np.empty(0), 0.0)  # what propagates does not decay
