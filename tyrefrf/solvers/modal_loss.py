@@ -89,11 +89,10 @@ def _form(orders: Orders, X: Folded, mu: float, phi: ComplexArray) -> FloatArray
 def _shared(omega: FloatArray, energy: FloatArray, viscous: FloatArray) -> ModalLoss:
     """From phi^H K'_m phi and phi^H K''_m phi (2, k, m), and omega phi^H C phi (m,)."""
     loss = energy[1].sum(axis=0) + viscous
-    with np.errstate(invalid="ignore", divide="ignore"):
-        stored = np.where(omega > 0.0, omega**2, np.nan)
-        lost = np.where((omega > 0.0) & (loss > 0.0), loss, np.nan)
-        return ModalLoss(
-            loss_factor=loss / stored,
-            energy_share=(energy[0] / stored).T,
-            loss_share=(energy[1] / lost).T,
-        )
+    stored = np.where(omega > 0.0, omega**2, np.nan)
+    lost = np.where((omega > 0.0) & (loss > 0.0), loss, np.nan)
+    return ModalLoss(
+        loss_factor=loss / stored,
+        energy_share=(energy[0] / stored).T,
+        loss_share=(energy[1] / lost).T,
+    )
