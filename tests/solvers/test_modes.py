@@ -301,6 +301,24 @@ def test_loss_is_that_of_the_complex_eigenvalues_to_second_order(eta):
         assert np.all(loss.energy_share[:, 1] > 0.0)
 
 
+def test_a_rigid_motion_has_no_loss_factor_and_all_others_have():
+    cell = tyre("hex8i", 7, elements_along=4).with_free_rim().cell
+    modes = ring_modes(cell, 7, count=20)
+    for m, loss in zip(modes, modal_loss(cell, 7, modes, 0.0), strict=True):
+        rigid = m.omega == 0.0
+        for of_mode in (loss.loss_factor, loss.energy_share[:, 0], loss.loss_share[:, 0]):
+            np.testing.assert_array_equal(np.isnan(of_mode), rigid)
+    assert sum(m.n_members * np.sum(m.omega == 0.0) for m in modes) == 6
+
+
+def test_without_loss_there_is_none_to_share():
+    modes = ring_modes(coarse(7, True).cell, 7, count=20)
+    for loss in modal_loss(coarse(7, True).cell, 7, modes, 0.0):
+        np.testing.assert_array_equal(loss.loss_factor, 0.0)
+        assert np.all(np.isnan(loss.loss_share))
+        np.testing.assert_allclose(loss.energy_share, 1.0, rtol=1e-9)
+
+
 def test_viscous_loss_is_that_of_the_damping_ratio():
     ring = lopsided(tyre("hex8i", 5, elements_along=4, elements_around=2))
     alpha = 3.0  # of the mass: 2 zeta = alpha / omega
