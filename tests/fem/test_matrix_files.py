@@ -121,6 +121,20 @@ def test_rows_by_node_and_direction_in_every_form(text, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("word", "direction"),
+    [
+        *[("1", 0), ("2", 1), ("3", 2), ("4", 3), ("5", 4), ("6", 5), ("0", 3)],
+        *[("x", 0), ("Y", 1), ("z", 2), ("UX", 0), ("uy", 1), ("Uz", 2)],
+        *[("r", 0), ("Theta", 2), ("UR", 0), ("utheta", 2)],
+        *[("ROTX", 3), ("roty", 4), ("RotZ", 5)],
+    ],
+)
+def test_every_name_of_a_direction(word, direction, tmp_path):
+    (tmp_path / "cell.dof").write_text(f"7 {word}\n")
+    np.testing.assert_array_equal(read_dofs(tmp_path / "cell.dof"), [[7, direction]])
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("7.1\n7.2\n7.2\n", "node 7 has direction 2 in two rows"),

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
-from tyrefrf.fem.soundness import Soundness
+from tyrefrf.errors import MeshError
+from tyrefrf.fem.soundness import Soundness, _check_mass
 
 SOUND = Soundness(mass=(7.0, 7.0, 7.0), density=300.0, translation=1e-9, rotation=1e-9)
 
@@ -42,3 +45,21 @@ def test_a_mass_that_depends_on_the_direction_is_told(mass):
         f"the mass is not the same along x, y and z: {listed} kg; rows that were held are gone "
         "from M"
     )
+
+
+def mass_matrix(size: float, excess: float) -> csr_array:
+    """Of two dofs, coupled by more than sqrt(M_11 M_22), in shares of the largest entry."""
+    coupling = 2.0 + 4.0 * excess
+    return csr_array(size * np.array([[1.0, coupling], [coupling, 4.0]]))
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_a_motion_of_negative_kinetic_energy_is_found_in_the_coupling_alone(size):
+    _check_mass(mass_matrix(size, 1e-10))  # rounding
+    with pytest.raises(MeshError, match="M is no mass"):
+        _check_mass(mass_matrix(size, 1e-8))
+
+
+def test_a_small_negative_mass_is_none_beside_a_large_one():
+    with pytest.raises(MeshError, match="M is no mass"):
+        _check_mass(csr_array(np.diag([1.0, -1e-12])))

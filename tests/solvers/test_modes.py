@@ -450,6 +450,19 @@ def test_modes_of_plies_satisfy_the_equations_at_their_own_frequencies():
             assert np.linalg.norm(lack) < 1e-7 * np.linalg.norm(inertia)
 
 
+def test_a_residual_does_not_depend_on_how_large_a_shape_is_drawn():
+    pencil = Pencils(coarse(7, True).cell, 7).of(1)
+    m = modes_below(pencil, HZ * 1e4)
+    wrong = m.omega[:2] * 1.01
+    once, tenfold = (
+        own_moduli._residuals([pencil] * 2, wrong, size * m.shapes[:, :2], HZ * 1e4)
+        for size in (1.0, 10.0)
+    )
+    np.testing.assert_allclose(tenfold, once, rtol=1e-12)
+    lift = wrong**2 + pencil.shift(HZ * 1e4)
+    np.testing.assert_allclose(once, (wrong**2 - m.omega[:2] ** 2) / lift, rtol=1e-6)
+
+
 def test_modes_that_do_not_settle_on_their_own_moduli_are_refused(monkeypatch):
     monkeypatch.setattr(own_moduli, "ROUNDS", 1)
     cell = relaxing(with_steel_belt(tyre("hex8i", 7, elements_along=6), 0.0), LAWS["prony"])

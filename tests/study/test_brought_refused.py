@@ -141,6 +141,13 @@ def test_rotations_as_unknowns(exported):
     refused(exported, "row 1 is direction 5 of node .*; nodes have displacements 1, 2 and 3 only")
 
 
+def test_rotations_of_the_first_node_of_the_file(exported):
+    first = int((exported.directory / "nodes.csv").read_text().splitlines()[2].split(",")[0])
+    row = int(exported.rows[np.flatnonzero(exported.number == first)[0], 0])
+    edit(exported, "cell.dof", lambda x: [*x[:row], f"{first}.4", *x[row + 1 :]])
+    refused(exported, rf"row {row + 1} is direction 4 of node {first}; nodes have displacements")
+
+
 def test_a_node_held_off_the_rim(exported):
     """Rows may be gone only where the rim holds them."""
     node = 4
