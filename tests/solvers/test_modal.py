@@ -189,6 +189,18 @@ PLY = Ply(
 )
 
 
+def half_relaxing(stuff, element="hex8i"):
+    """Bricks of this stuff and of a lossy steel-like one in turn."""
+    ring = tyre(element, 5, 4)
+    halves = np.arange(len(ring.mesh.bricks)) % 2
+    stiff = Isotropic(E=4e8, nu=0.3, rho=1500.0, eta=0.03)
+    return replace(
+        ring,
+        mesh=replace(ring.mesh, material=halves, materials=("soft", "stiff")),
+        materials={"soft": stuff, "stiff": stiff},
+    )
+
+
 @pytest.mark.parametrize("static_correction", [False, True])
 @pytest.mark.parametrize(
     "stuff", [Isotropic(nu=0.48, rho=1100.0, modulus=ZENER), PLY], ids=["rubber", "ply"]
@@ -196,13 +208,7 @@ PLY = Ply(
 @pytest.mark.parametrize("element", ["hex8i", "hex20r"])
 def test_moduli_are_the_lines_own(element, stuff, static_correction):
     """The modes are made with the moduli of 1 kHz; all of them span every other line as well."""
-    ring = tyre(element, 5, 4)
-    halves = np.arange(len(ring.mesh.bricks)) % 2
-    ring = replace(
-        ring,
-        mesh=replace(ring.mesh, material=halves, materials=("soft", "stiff")),
-        materials={"soft": stuff, "stiff": Isotropic(E=4e8, nu=0.3, rho=1500.0, eta=0.03)},
-    )
+    ring = half_relaxing(stuff, element)
     problem = ring.problem(loads(ring))
     solver = superposed(problem, static_correction=static_correction)
 
@@ -212,6 +218,28 @@ def test_moduli_are_the_lines_own(element, stuff, static_correction):
     ]
 
     assert max(errors) < SOFT
+
+
+@pytest.mark.parametrize("stuff", [Isotropic(nu=0.48, rho=1100.0, modulus=ZENER), PLY])
+def test_the_static_correction_is_exact_at_0_hz_where_moduli_relax(stuff):
+    ring = half_relaxing(stuff)
+    problem = ring.problem(loads(ring))
+    q = superposed(problem, 12, static_correction=True).field(0.0).q
+    assert section_error(q, Cyclic(problem).field(0.0).q, ring.cell.n_face) < 1e-10
+
+
+def test_the_correction_is_of_second_order_in_how_far_the_moduli_have_relaxed():
+    """E(omega) - E(0) grows as the root of omega here, so the error grows as omega."""
+    ring = half_relaxing(Isotropic(nu=0.48, rho=1100.0, modulus=ZENER))
+    problem = ring.problem(loads(ring))
+    solver = superposed(problem, 12, static_correction=True)
+
+    e = [
+        section_error(solver.field(w).q, Cyclic(problem).field(w).q, ring.cell.n_face)
+        for w in omegas(0.01, 0.02)
+    ]
+
+    assert np.log2(e[1] / e[0]) == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize("damping", ["full", "modal"])

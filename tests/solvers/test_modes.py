@@ -249,6 +249,21 @@ def test_a_buckled_tyre_is_refused(excess):
         ring_modes(squeezed, 7, below=HZ * 1e4)
 
 
+@pytest.mark.parametrize(("n_cells", "mirrored"), [(7, True), (8, True), (7, False)])
+def test_a_buckled_tyre_is_unstable_at_the_orders_of_the_modes_that_lose_their_stiffness(
+    n_cells, mirrored
+):
+    """K - omega^2 M loses as many eigenvalues as there are modes below omega, order by order."""
+    cell, squeeze = coarse(n_cells, mirrored).cell, truth(n_cells, mirrored)[14] * (1.0 + 1e-6)
+    modes = ring_modes(cell, n_cells, below=squeeze)
+    lost = squeeze**2 * cell.M
+    assert unstable_orders(replace(cell, K_G=-0.25 * lost, K_P=-0.75 * lost), n_cells) == {
+        m.order: len(m.omega) for m in modes if len(m.omega)
+    }
+    assert len({len(m.omega) for m in modes}) > 1  # not the same at every order
+    assert unstable_orders(cell, n_cells) == {}
+
+
 @pytest.mark.parametrize("share", [0.1, 1.0, 10.0])
 def test_inertia_counts_negative_eigenvalues(share):
     pencil = Pencils(layered().cell, 30).of(4)
