@@ -224,6 +224,11 @@ def test_mass_and_rigid_motions_are_found(lopsided_ring, tmp_path):
     assert mesh.n_own > mesh.n_face
 
 
+def test_parts_of_the_stiffness_are_the_materials_in_their_order(lopsided_ring, tmp_path):
+    model = build_model(export(lopsided_ring, tmp_path).case())
+    assert model.mesh.section.materials == tuple(model.problem.cell.K) == ("rubber", "tread")
+
+
 def test_a_misnumbered_node_strains_under_rotation(lopsided_ring, tmp_path):
     """Translations cannot see that rows belong to other nodes; rotations do."""
     exported = export(lopsided_ring, tmp_path)
