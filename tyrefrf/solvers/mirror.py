@@ -59,15 +59,14 @@ class MirrorChain:
         LL' = LL - (X_e + X_o) / 2 and LR' = (X_o - X_e) S / 2.
         """
         LL, LR, e, o = self.LL, self.LR, slice(0, self.n_even), slice(self.n_even, None)
-        joint = Doubled(self, *(SharedHalf.of(LL[part, part], LR[:, part].T) for part in (e, o)))
-        X_e = symmetric_product(LR[:, e], joint.even.Y)
-        X_o = symmetric_product(LR[:, o], joint.odd.Y)
+        Y_e, Y_o = (factorise(LL[part, part]).solve(LR[:, part].T) for part in (e, o))
+        X_e, X_o = symmetric_product(LR[:, e], Y_e), symmetric_product(LR[:, o], Y_o)
         return MirrorChain(
             n_cells=2 * self.n_cells,
             LL=LL - 0.5 * (X_e + X_o),
             LR=0.5 * (X_o - X_e) * self.sign,
             n_even=self.n_even,
-            joint=joint,
+            joint=Doubled(self, Y_e, Y_o),
         )
 
     def _with(self, other: MirrorChain) -> MirrorChain:
@@ -93,34 +92,20 @@ class MirrorChain:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SharedHalf:
-    """Of the face that two equal chains share, what S keeps, or what it turns round.
+class Doubled:
+    """The face that two equal chains shared: q_e = -Y_e (q_L + S q_R) / 2, q_o with a minus.
 
-    factor: of LL_ee, which is half of D*^-1's block; Y: LL_ee^-1 LR_e^T (n_e, n).
+    Y_e: LL_ee^-1 LR_e^T (n_e, n), for what S keeps; Y_o likewise, for what it turns round.
     """
 
-    factor: Factor
-    Y: ComplexArray
-
-    @classmethod
-    def of(cls, LL: ComplexArray, RL: ComplexArray) -> SharedHalf:
-        """From the blocks of one of the chains."""
-        factor = factorise(LL)
-        return cls(factor, factor.solve(RL))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Doubled:
-    """The face that two equal chains shared: q_e = -Y_e (q_L + S q_R) / 2, q_o with a minus."""
-
     half: MirrorChain
-    even: SharedHalf
-    odd: SharedHalf
+    Y_e: ComplexArray
+    Y_o: ComplexArray
 
     def inner_faces(self, q_L: ComplexArray, q_R: ComplexArray) -> ComplexArray:
         """Of both chains, in one go, and the shared one between them."""
         image = self.half.sign[:, None] * q_R
-        q = -0.5 * np.concatenate([self.even.Y @ (q_L + image), self.odd.Y @ (q_L - image)])
+        q = -0.5 * np.concatenate([self.Y_e @ (q_L + image), self.Y_o @ (q_L - image)])
         both = self.half.inner_faces(np.hstack([q_L, q]), np.hstack([q, q_R]))
         left, right = np.split(both, 2, axis=2)
         return np.concatenate([left, q[None], right])
