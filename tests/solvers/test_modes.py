@@ -283,6 +283,17 @@ def test_inertia_survives_a_matrix_without_an_inverse():
     assert negative_eigenvalues(csc_array(np.diag([-1.0, 0.0, 2.0, -3.0]))) == 2
 
 
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_inertia_does_not_depend_on_the_units(size):
+    assert negative_eigenvalues(csc_array(size * np.diag([-0.5, 0.5, 2.0]))) == 1
+
+
+@pytest.mark.parametrize("phase", [1.0, -1.0, 1j])
+def test_pivots_off_the_diagonal_tell_nothing_of_the_inertia(phase):
+    """Eigenvalues 1 and -1, but pivots of one sign, or of none."""
+    assert negative_eigenvalues(csc_array([[0.0, phase], [np.conj(phase), 0.0]])) == 1
+
+
 @pytest.mark.parametrize("modes_of", [ring_modes, own_ring_modes])
 @pytest.mark.parametrize("wanted", [{}, {"below": 1.0, "count": 1}])
 def test_cutoff_or_number_must_be_given(wanted, modes_of):
