@@ -37,7 +37,7 @@ def factorise(A: ComplexArray) -> Factor:
     Raises SingularError where the estimated reciprocal condition (LAPACK's zgecon, 1-norm) is
     below RCOND_MIN.
     """
-    norm = np.abs(A).sum(axis=1).max() if A.size else 0.0
+    norm = np.abs(A).sum(axis=1).max()
     lu, pivots, info = lapack.zgetrf(A.T)
     rcond = lapack.zgecon(lu, norm)[0] if info == 0 else 0.0
     if not rcond >= RCOND_MIN:
