@@ -189,3 +189,14 @@ def test_a_tyre_without_any_stiffness_is_refused_at_0_hz(solver):
         solve_line(problem, SOLVERS[solver](problem), 0.0)
     with pytest.raises(SingularError, match="singular"):
         SOLVERS[solver](problem).field(0.0)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e9])
+def test_the_condition_is_that_of_the_largest_row_whatever_the_units(size):
+    """100 equal springs, and one that is 1e14 times as soft: as one with that alone."""
+    springs = np.diag(np.append(np.ones(100), 1e-14)).astype(complex)
+    with pytest.raises(SingularError, match=r"reciprocal condition 1\.0e-14"):
+        factor.factorise(size * springs)
+    springs[-1, -1] = 1e-11
+    x = factor.factorise(size * springs).solve(springs)
+    np.testing.assert_allclose(size * x, np.eye(101), atol=1e-15)

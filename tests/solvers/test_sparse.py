@@ -172,6 +172,14 @@ def test_a_ring_that_does_not_fit_is_refused_with_both_numbers(library, monkeypa
     assert "--jobs 2 would fit" in str(error.value)
 
 
+def test_a_thousand_loads_more_take_a_thousand_fields_more():
+    ring = RINGS["homogeneous"]
+    one, many = (ring.problem(ring.point_loads(*[(0, 3, R)] * n)) for n in (1, 1001))
+    more = memory_needed(many, "superlu") - memory_needed(one, "superlu")
+    field = 16.0 * ring.n_dofs  # complex numbers
+    assert 4 * 1000 * field < more < 16 * 1000 * field
+
+
 def test_no_number_of_jobs_is_offered_where_none_fits(monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: 1000)
     with pytest.raises(SolveError, match="available: 'cyclic' and 'recursive'"):

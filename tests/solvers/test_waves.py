@@ -17,6 +17,7 @@ from scipy.sparse.linalg import ArpackNoConvergence
 from tyrefrf.errors import SolveError
 from tyrefrf.solvers import palindrome
 from tyrefrf.solvers import waves as free
+from tyrefrf.solvers.palindrome import Pair
 from tyrefrf.solvers.waves import FreeWaves, missed
 
 N_CELLS = 24
@@ -276,3 +277,20 @@ def test_no_number_is_proved_by_a_circle_through_a_wave():
     problem = free_waves("undamped").problem(2.0 * np.pi * 1500.0)
     with pytest.raises(SolveError, match="lies on the circle"):
         missed(problem, np.empty(0), np.empty(0), 0.0)  # what propagates does not decay
+
+
+@pytest.mark.parametrize("bound", [0.5, 2.0])
+@pytest.mark.parametrize(
+    ("waves", "circle"),  # shares of the way from the bound to its margin
+    [
+        ([], 0.5),
+        ([-3.0, -0.1, 1.1, 9.0], 0.5),  # waves that do not lie between change nothing
+        ([-0.7, 0.2, 9.0], 0.6),
+        ([0.8, 0.7, -0.1], 0.35),
+        ([0.1, 0.9, 0.3], 0.6),
+    ],
+)
+def test_the_circle_that_counts_keeps_farthest_from_all_waves(waves, circle, bound):
+    q, width = np.ones(1, complex), (free.MARGIN - 1.0) * bound
+    pairs = [Pair(np.exp(-(bound + share * width) + 0.7j), q, q, 0.0) for share in waves]
+    assert free.widest_gap(pairs, bound) == pytest.approx(bound + circle * width)
