@@ -88,6 +88,7 @@ def test_near_a_resonance_of_two_cells_of_the_papers_tyre(offset):
 
     assert section_error(field.q, expected, paper.cell.n_face) < UNDAMPED
     assert field.residual < UNDAMPED
+    assert field.remark.startswith("a chain of cells ")
     assert field.remark.endswith("solved by `cyclic`")
 
 
