@@ -264,6 +264,15 @@ def test_a_buckled_tyre_is_unstable_at_the_orders_of_the_modes_that_lose_their_s
     assert unstable_orders(cell, n_cells) == {}
 
 
+def test_stress_and_pressure_stiffen_the_modes_alike():
+    """Where both are in proportion to the mass, omega^2 grows by what they add up to."""
+    cell, squared = coarse(7, False).cell, truth(7, False)[0] ** 2
+    taut = replace(cell, K_G=2.0 * squared * cell.M, K_P=-0.5 * squared * cell.M)
+    for at_rest, stressed in zip(*(ring_modes(c, 7, count=20) for c in (cell, taut)), strict=True):
+        expected = np.sqrt(at_rest.omega**2 + 1.5 * squared)
+        np.testing.assert_allclose(stressed.omega, expected, rtol=ROUND_OFF)
+
+
 @pytest.mark.parametrize("share", [0.1, 1.0, 10.0])
 def test_inertia_counts_negative_eigenvalues(share):
     pencil = Pencils(layered().cell, 30).of(4)

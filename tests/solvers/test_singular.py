@@ -201,3 +201,8 @@ def test_the_condition_is_that_of_the_largest_row_whatever_the_units(size):
     springs[-1, -1] = 1e-11
     x = factor.factorise(size * springs).solve(springs)
     np.testing.assert_allclose(size * x, np.eye(101), atol=1e-15)
+
+
+def test_a_pivot_of_exactly_zero_leaves_no_condition():
+    with pytest.raises(SingularError, match=r"reciprocal condition 0\.0e"):
+        factor.factorise(np.diag([1.0, 0.0, 2.0]).astype(complex))
