@@ -206,8 +206,9 @@ PAGE = """\
 Made by `tests/mutation/run.py`, which says how. One thing at a time is changed, a sign, a
 comparison, a number, an argument; the tests that reach the function are run, the fastest first, for
 some seconds of them. Changed are the bodies of functions, but no texts of errors; and, as mutmut
-leaves them alone, no constants of modules and nothing decorated (properties, caches). Files of
-which not all mutants were run have been sampled at random.
+leaves them alone, no constants of modules and nothing decorated (properties, caches). Of files not
+run whole a random sample was drawn; where that was stopped, the mutants with the quickest tests
+went first.
 
 | file | mutants | run | {head} |
 | {rule} |

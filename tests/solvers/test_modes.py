@@ -264,6 +264,29 @@ def test_a_buckled_tyre_is_unstable_at_the_orders_of_the_modes_that_lose_their_s
     assert unstable_orders(cell, n_cells) == {}
 
 
+def test_moduli_are_those_of_the_frequency_asked_for():
+    """Of one material: all modes stiffen as it does."""
+    law, ring = LAWS["zener"], lossless(tyre("hex8i", 7, elements_along=4))
+    cell, omega = relaxing(ring, law), HZ * 3000.0
+    stiffer = np.sqrt(law.scale(omega).real)
+    assert stiffer > 1.1
+    both = (ring_modes(cell, 7, count=20, at=w) for w in (0.0, omega))
+    for at_rest, there in zip(*both, strict=True):
+        np.testing.assert_allclose(there.omega, stiffer * at_rest.omega, rtol=ROUND_OFF)
+
+
+def test_a_residual_is_what_its_own_mode_lacks():
+    pencil, cutoff = Pencils(layered().cell, 30).of(4), HZ * 2500.0
+    shapes = modes_below(pencil, cutoff).shapes
+    near = shapes * (1.0 + 1e-11 * np.random.default_rng(0).standard_normal(shapes.shape))
+    m = modes_module._ordered(pencil, near, cutoff)
+    inertia = pencil.M @ m.shapes
+    lack = np.linalg.norm(pencil.K @ m.shapes - inertia * m.omega**2, axis=0)
+    size = (m.omega**2 + pencil.shift(cutoff)) * np.linalg.norm(inertia, axis=0)
+    assert len(m.omega) > 5
+    np.testing.assert_allclose(m.residual, lack / size, rtol=1e-2)
+
+
 def test_stress_and_pressure_stiffen_the_modes_alike():
     """Where both are in proportion to the mass, omega^2 grows by what they add up to."""
     cell, squared = coarse(7, False).cell, truth(7, False)[0] ** 2
