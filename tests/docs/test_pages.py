@@ -64,6 +64,7 @@ def test_few_blocks_are_executed_by_nobody():
     idle = [(name_of(page), b.remark) for page, b in BLOCKS if b.remark.startswith("not executed")]
     assert idle == [
         ("docs/howto/clusters.md", "not executed: needs SLURM"),
+        ("docs/howto/long_runs.md", "not executed: needs SLURM"),
         (
             "docs/howto/matrices.md",
             "not executed: needs CalculiX's files; tests/reference/test_calculix_matrices.py "
