@@ -93,6 +93,9 @@ def test_an_orderly_end_writes_what_there_is(here, whole, number, status):
     assert (~results.missing).sum() == int(said[2]) >= 50
     there = ~results.missing
     np.testing.assert_array_equal(results.mobility[..., there], whole.mobility[..., there])
+    exported = tyrefrf_command("export", "out/long.h5", "--to", "csv", cwd=here)
+    assert exported.returncode == 0
+    assert "lines are not solved yet: they are NaN" in exported.stderr
     refused = tyrefrf_command("run", "long.toml", "--output", "out", cwd=here)
     assert refused.returncode == 2
     assert "out/long.h5 exists; --resume computes what it lacks" in refused.stderr

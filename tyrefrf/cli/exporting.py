@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -56,6 +57,8 @@ def export_to_files(
     tables = [form for form in formats if form != VTK]
     check_formats(tables)
     results = load_any(file)
+    if missing := getattr(results, "n_missing", 0):
+        print(f"warning: {missing} lines are not solved yet: they are NaN", file=sys.stderr)
     stem = (output or file.parent) / file.stem
     try:
         planned = planned_files(results, stem, tables, quantity) if tables else []
