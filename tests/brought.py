@@ -122,7 +122,8 @@ def _turn(theta: np.ndarray, style: Style, rows: np.ndarray) -> csr_array:
         local = np.array([[c, o, s], [o, i, o], [-s, o, c]]).transpose(2, 0, 1)
         local = local[:, :, XYZ[style.axis]]
     place = coo_array((np.ones(3 * n), (np.arange(3 * n), rows.ravel())), shape=(3 * n, 3 * n))
-    return csr_array(block_diag(list(local), format="csr") @ place.tocsr())
+    blocks = [csr_array(block) for block in local]
+    return csr_array(block_diag(blocks, format="csr") @ place.tocsr())
 
 
 def _write_nodes(path, mesh, number, listing, style, metre) -> None:

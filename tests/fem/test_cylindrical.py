@@ -101,7 +101,7 @@ def test_cells_chained_are_the_ring_assembled_in_cartesian_coordinates(
     bricks = (
         element.stiffness(block.X, isotropic(E, NU)) if which == "K" else element.mass(block.X, RHO)
     )
-    T = block_diag([rotations(angle[None, None])[0] for angle in theta], format="csr")
+    T = block_diag([csr_array(rotations(angle[None, None])[0]) for angle in theta], format="csr")
     ring = T @ block.assembled(bricks) @ T.T
     chain = chained(cell.sparse(cell.K["rubber"] if which == "K" else cell.M), cell.n_own)
     assert largest(csr_array(ring - chain)) <= ROUND_OFF * largest(ring)

@@ -83,7 +83,8 @@ def calculix_ring(K, M, dofs):
     totals = [csc_array((n, n)), csc_array((n, n))]
     for cell in range(N_CELLS):
         c, s = np.cos(cell * SECTOR), np.sin(cell * SECTOR)
-        turn = block_diag([[[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]] * (2 * n_face))
+        axes = csc_array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+        turn = block_diag([axes] * (2 * n_face))
         rows = (3 * (dofs[:, 0] + cell * n_face) + dofs[:, 1]) % n
         place = coo_array((np.ones(len(rows)), (rows, np.arange(len(rows)))), shape=(n, len(rows)))
         for k, A in enumerate((K, M)):

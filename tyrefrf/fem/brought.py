@@ -261,7 +261,8 @@ class _Layout:
             row = np.where(of_node, 3 * (row // 3) + ours[row % 3], row)
             turn[self.order >= 0] = axes(self.points[self.order >= 0, 2])
         place = coo_array((np.ones(len(row)), (row, np.arange(len(row)))), shape=(n, len(row)))
-        return csr_array(block_diag(list(turn), format="csr") @ place.tocsr())
+        blocks = [csr_array(block) for block in turn]
+        return csr_array(block_diag(blocks, format="csr") @ place.tocsr())
 
     def nodes(self, parts: tuple[str, ...], mesh: OutsideMesh, sector_angle: float) -> NodeCell:
         """The cell's nodes for placing loads and probes."""
