@@ -5,11 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 import synthetic
 
 from tyrefrf.errors import ResultsError
-from tyrefrf.results import load_results, write_results
+from tyrefrf.results import Results, load_any, load_results, write_results
+from tyrefrf.results.origin import LAYOUT
+
+
+def number(file, name):
+    file[name] = 1.0
+
+
+def nothing(file, name):
+    file[name] = np.zeros(0)
+
+
+def words(file, name):
+    file[name] = ["some", "words"]
 
 
 @pytest.fixture
@@ -71,7 +85,83 @@ def test_hdf5_of_another_program(tmp_path, attributes):
 
 def test_a_newer_layout_says_what_to_do(path):
     with h5py.File(path, "r+") as file:
-        file.attrs["layout"] = 2
+        file.attrs["layout"] = LAYOUT + 1
         file.attrs["version"] = "3.0"
-    with pytest.raises(ResultsError, match=r"layout 2.*tyrefrf 3\.0.*upgrade"):
+    with pytest.raises(
+        ResultsError, match=rf"layout {LAYOUT + 1}.*tyrefrf 3\.0.*upgrade it with `pip"
+    ):
         load_results(path)
+
+
+def test_a_newer_layout_of_an_unknown_version_says_what_to_do(path):
+    with h5py.File(path, "r+") as file:
+        file.attrs["layout"] = LAYOUT + 1
+        del file.attrs["version"]
+    with pytest.raises(ResultsError, match=r"unknown version.*upgrade it with `pip"):
+        load_results(path)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [None, "one", 1.0, 0, -1, [1, 1], h5py.Empty("i")],
+    ids=["none", "text", "fraction", "zero", "negative", "several", "empty"],
+)
+def test_a_layout_that_is_none_is_named(path, layout):
+    with h5py.File(path, "r+") as file:
+        del file.attrs["layout"]
+        if layout is not None:
+            file.attrs["layout"] = layout
+    with pytest.raises(ResultsError, match=r"layout.*expected one from 1 to.*run the case again"):
+        load_results(path)
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["dream", 1, [1.0, 2.0], h5py.Empty("f")],
+    ids=["other", "number", "several", "empty"],
+)
+def test_an_unknown_content_says_what_to_do(path, content):
+    with h5py.File(path, "r+") as file:
+        file.attrs["content"] = content
+    with pytest.raises(ResultsError, match=r"holds .*, which this tyrefrf does not know: upgrade"):
+        load_any(path)
+
+
+def test_without_a_content_it_is_a_run(path):
+    with h5py.File(path, "r+") as file:
+        del file.attrs["content"]
+    assert load_results(path).provenance.case_name == "made_up"
+
+
+@pytest.mark.parametrize("attribute", ["version", "created", "case_hash", "n_cells"])
+def test_a_missing_attribute_is_named(path, attribute):
+    with h5py.File(path, "r+") as file:
+        del file.attrs[attribute]
+    with pytest.raises(ResultsError, match=rf"damaged.*{attribute}"):
+        load_results(path)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [lambda file, name: None, h5py.File.create_group, number, nothing, words],
+    ids=["gone", "a group", "a number", "nothing", "words"],
+)
+def test_whatever_is_damaged_is_refused_or_not_needed(path, damage):
+    with h5py.File(path) as file:
+        names = list(file)
+    whole = path.read_bytes()
+    outcomes = {outcome(path, whole, name, damage) for name in names}
+    assert ResultsError in outcomes
+    assert outcomes <= {ResultsError, Results}
+
+
+def outcome(path, whole, name, damage):
+    """What comes of a file whose `name` is something else: results, or which error."""
+    path.write_bytes(whole)
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        damage(file, name)
+    try:
+        return type(load_any(path))
+    except Exception as error:
+        return type(error)

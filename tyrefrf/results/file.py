@@ -18,13 +18,9 @@ from numpy.typing import NDArray
 
 from tyrefrf.errors import ResultsError
 from tyrefrf.results.field import Columns, Dataset, Field, Kind
+from tyrefrf.results.origin import LAYOUT, PROGRAM, check_origin
 from tyrefrf.results.results import Provenance
 from tyrefrf.results.whole import whole_file
-
-PROGRAM = "tyrefrf"
-
-LAYOUT = 1
-"""Counts up where an older program would misread a newer file."""
 
 CONVENTIONS = (
     "exp(+i omega t); ISO 7626-1: mobility = i omega receptance, accelerance = -omega^2 receptance;"
@@ -94,9 +90,9 @@ def open_file(path: Path, image: bytes | None = None) -> Iterator[Any]:
         raise ResultsError(f"{path}: not an HDF5 file; expected what tyrefrf wrote")
     try:
         with h5py.File(path if image is None else BytesIO(image), "r") as file:
-            _check_origin(path, file)
+            check_origin(path, file)
             yield file
-    except (OSError, KeyError, RuntimeError, ValueError) as error:
+    except (OSError, LookupError, RuntimeError, TypeError, ValueError, AttributeError) as error:
         message = f"{path}: truncated or damaged: {error}; run the case again"
         raise ResultsError(message) from error
 
@@ -126,18 +122,6 @@ def provenance_of(file: Any) -> Provenance:
 def plain(value: Any) -> Any:
     """A number of numpy as Python's own."""
     return value.item() if isinstance(value, np.generic) else value
-
-
-def _check_origin(path: Path, file: Any) -> None:
-    program = file.attrs.get("program", "an unknown program")
-    if program != PROGRAM:
-        raise ResultsError(f"{path}: HDF5 of {program}; expected results of tyrefrf")
-    layout, version = file.attrs["layout"], file.attrs["version"]
-    if layout > LAYOUT:
-        raise ResultsError(
-            f"{path}: layout {layout}, written by tyrefrf {version}; this tyrefrf reads layouts"
-            f" up to {LAYOUT}: upgrade it with `pip install --upgrade tyrefrf`"
-        )
 
 
 def _write_datasets(file: Any, datasets: Sequence[Dataset]) -> None:

@@ -16,6 +16,7 @@ from tyrefrf.results.journal import ENDING, journal_of
 from tyrefrf.results.left import Left, left_in, read_journal
 from tyrefrf.results.modes import Modes
 from tyrefrf.results.modes_layout import read_modes
+from tyrefrf.results.origin import content_of
 from tyrefrf.results.results import Results
 from tyrefrf.results.run_layout import read_run
 from tyrefrf.results.sweep import SweepResults
@@ -124,10 +125,5 @@ def _so_far(results: Results | SweepResults) -> tuple[str, Content]:
 
 def _read_file(path: Path) -> tuple[str, Content]:
     with open_file(path) as file:
-        content = file.attrs["content"]
-        if content not in READERS:
-            raise ResultsError(
-                f"{path}: holds {content!r}, which this tyrefrf does not know: upgrade it with "
-                "`pip install --upgrade tyrefrf`"
-            )
+        content = content_of(path, file, READERS)
         return content, READERS[content](file)
