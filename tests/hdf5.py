@@ -18,3 +18,33 @@ def undescribed(path):
     with h5py.File(path) as file:
         file.visititems(visit)
     return bare
+
+
+def differences(path, other, own=()):
+    """Names of what two files do not have alike, to the bit: datasets, types, attributes.
+
+    own: names of datasets and attributes whose values may differ.
+    """
+    one, another = told(path, own), told(other, own)
+    return sorted(
+        name for name in one.keys() | another.keys() if one.get(name) != another.get(name)
+    )
+
+
+def told(path, own):
+    """Everything in a file by its name; references between datasets are not followed."""
+    found = {}
+
+    def visit(name, item):
+        for key, value in item.attrs.items():
+            if key not in own and key not in ("DIMENSION_LIST", "REFERENCE_LIST"):
+                found[f"{name}@{key}"] = str(value)
+        if isinstance(item, h5py.Dataset):
+            value = item[...]
+            whole = value.tolist() if value.dtype.kind == "O" else value.tobytes()
+            found[name] = (item.shape, str(item.dtype), () if name in own else whole)
+
+    with h5py.File(path) as file:
+        visit("", file)
+        file.visititems(visit)
+    return found
