@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import time
@@ -13,8 +14,14 @@ from tyrefrf.results.left import read_journal
 PATIENCE = 90.0  # seconds
 
 
+def heeding():
+    """Before a process begins: it heeds signals, even where the tests were told to ignore them."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
 @contextmanager
-def started(*arguments, cwd, **more):
+def started(*arguments, cwd, preexec_fn=heeding, **more):
     """A command under way; killed at the end if it still is."""
     with subprocess.Popen(
         [sys.executable, "-m", "tyrefrf", *map(str, arguments)],
@@ -22,6 +29,7 @@ def started(*arguments, cwd, **more):
         stderr=subprocess.PIPE,
         text=True,
         cwd=cwd,
+        preexec_fn=preexec_fn,
         **more,
     ) as process:
         try:

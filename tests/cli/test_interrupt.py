@@ -13,13 +13,26 @@ import pytest
 
 from tyrefrf.cli.interrupt import Interrupted, heeding_signals
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+@pytest.fixture(autouse=True)
+def heeded():
+    """These tests may be told to ignore signals themselves, as what runs in the background is."""
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_DFL)
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
 
 def send(number):
     os.kill(os.getpid(), number)
     time.sleep(1.0)  # until it has come
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_is_raised_with_its_exit_status(number):
     words = f"interrupted by {number.name}"
     with pytest.raises(Interrupted, match=words) as raised, heeding_signals():
@@ -28,7 +41,7 @@ def test_a_signal_is_raised_with_its_exit_status(number):
 
 
 def test_afterwards_signals_do_what_they_did():
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.getsignal(number) for number in SIGNALS}
     hook = sys.unraisablehook
     with pytest.raises(Interrupted), heeding_signals():
         send(signal.SIGTERM)
@@ -37,12 +50,9 @@ def test_afterwards_signals_do_what_they_did():
 
 
 def test_an_ignored_signal_stays_ignored():
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        with heeding_signals():
-            send(signal.SIGHUP)
-    finally:
-        signal.signal(signal.SIGHUP, before)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    with heeding_signals():
+        send(signal.SIGHUP)
 
 
 class Destroyed:
@@ -74,7 +84,8 @@ with heeding_signals():
         os.kill(os.getpid(), signal.SIGINT)
         time.sleep(5.0)
 """
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == -signal.SIGINT
+    done = subprocess.run([sys.executable, "-c", program], check=False)
+    assert done.returncode == -signal.SIGINT
 
 
 def test_in_another_thread_nothing_is_asked_for():
