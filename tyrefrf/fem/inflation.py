@@ -169,14 +169,19 @@ class Inflatable:
             elif (step := step / 2.0) < SMALLEST_STEP:
                 raise SolveError(
                     f"no equilibrium found beyond {share * pressure:.4g} Pa: the tyre has a limit "
-                    "point or buckles there; lower inflation.pressure, or stiffen the tyre"
+                    "point or buckles there, or bricks turn inside out; lower inflation.pressure, "
+                    "or stiffen the tyre"
                 )
         return self._about(q, pressure, tuple(steps))
 
     def _newton(
         self, q: FloatArray, pressure: float, share: float
     ) -> tuple[FloatArray, LoadStep] | None:
-        """Equilibrium at a share of the pressure, iterated from q; None if it does not converge."""
+        """Equilibrium at a share of the pressure, iterated from q.
+
+        None if it does not converge, or to a state with bricks inside out: forces may balance
+        there (measured: a tyre of 2 MPa at 1 bar, in one step from rest), and no tyre comes there.
+        """
         p = share * pressure
         lack, load = self._lack(q, p)
         for iteration in range(1, MAX_ITERATIONS + 1):
@@ -184,7 +189,8 @@ class Inflatable:
             lack, load = self._lack(q, p)
             residual = self._size(lack) / self._size(load)
             if residual <= CONVERGED:
-                return q, LoadStep(share, iteration, residual)
+                inside_out = any(np.any(state.J <= 0.0) for _, state in self._deformed(q))
+                return None if inside_out else (q, LoadStep(share, iteration, residual))
             if not residual < DIVERGED:  # NaN too
                 return None
         return None

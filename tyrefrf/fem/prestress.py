@@ -37,12 +37,15 @@ class Deformed:
     """Bricks of one elasticity C at a deformed state: stress, and what the tangent needs.
 
     B: (e, g, 6, 3a) dE = B du [1/m]; S: (e, g, 6) [Pa]; H, dV as in `geometric_stiffness`.
+    J: (e, g) det F, volume over that at rest; not positive where a brick is inside out, which
+        the strains alone do not tell: E, and so the energy, is the same for F and -F.
     """
 
     B: FloatArray
     S: FloatArray
     H: FloatArray
     dV: FloatArray
+    J: FloatArray
 
     @classmethod
     def at(cls, H: FloatArray, dV: FloatArray, C: FloatArray, u: FloatArray) -> Deformed:
@@ -52,7 +55,7 @@ class Deformed:
         E += np.einsum("vkl,egik,egil->egv", VOIGT, G, G, optimize=True) / 2.0
         F = np.eye(3) + G
         B = np.einsum("vkl,egik,egiln->egvn", VOIGT, F, H, optimize=True)
-        return cls(B, np.einsum("...vw,...w->...v", C, E), H, dV)
+        return cls(B, np.einsum("...vw,...w->...v", C, E), H, dV, np.linalg.det(F))
 
     def forces(self) -> FloatArray:
         """Inner forces (e, 3a) [N]."""
