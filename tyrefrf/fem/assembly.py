@@ -34,6 +34,7 @@ class CellMatrices:
     an inflated cell, both without loss; zero at rest.
     n_face: dofs of one section. fixed: (n,) dofs on the rim.
     points: (n / 3, 3) r [m], y [m] and theta [rad] of the cell's nodes.
+    of_no_node: (n / 3,) where dofs are unknowns without a node, as brought matrices may have them.
     """
 
     indptr: IntArray
@@ -47,6 +48,7 @@ class CellMatrices:
     n_face: int
     fixed: BoolArray
     points: FloatArray
+    of_no_node: BoolArray
 
     @property
     def n_dofs(self) -> int:
@@ -62,6 +64,11 @@ class CellMatrices:
     def rows(self) -> IntArray:
         """Row of every entry of the pattern (nnz,)."""
         return np.repeat(np.arange(self.n_dofs), np.diff(self.indptr))
+
+    @property
+    def static(self) -> FloatArray:
+        """Entries (nnz,) of K + K_G + K_P, loss-free."""
+        return sum(self.K.values(), start=self.K_G + self.K_P)
 
     def dynamic_stiffness(self, omega: float) -> ComplexArray:
         """Entries (nnz,) of D = K + K_G + K_P + i omega C - omega^2 M: [1] and below [23].
@@ -133,6 +140,7 @@ class CellAssembly:
             n_face=3 * mesh.n_face,
             fixed=fixed.ravel(),
             points=mesh.points,
+            of_no_node=np.zeros(mesh.n_nodes, dtype=bool),
         )
 
     def _stiffness(self, index: int, stuff: Constitutive) -> FloatArray:

@@ -156,6 +156,7 @@ class BroughtMatrices:
             n_face=3 * self.nodes.n_face,
             fixed=self.fixed,
             points=self.points,
+            of_no_node=self.nodes.numbers < 0,
         )
 
 

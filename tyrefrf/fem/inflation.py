@@ -56,6 +56,8 @@ class Inflation:
     steps: how it converged.
     K, relaxation: by material where they are others than at rest: material stiffness about the
         state, and what becomes of it at a frequency; K_G, K_P: all as in `CellMatrices`.
+    K_static: (nnz,) material stiffness about the state with the moduli that carry the pressure.
+    strain: the largest principal one, where it is taken as small; NaN where it is not.
     """
 
     displacement: FloatArray
@@ -66,6 +68,8 @@ class Inflation:
     relaxation: Mapping[str, Relaxation]
     K_G: FloatArray
     K_P: FloatArray
+    K_static: FloatArray
+    strain: float
 
     def applied_to(self, cell: CellMatrices, *, pressure_stiffness: bool) -> CellMatrices:
         """The cell's matrices about this state; the paper leaves the pressure stiffness out.
@@ -80,6 +84,11 @@ class Inflation:
             K_G=self.K_G,
             K_P=K_P,
         )
+
+    def at_equilibrium(self, cell: CellMatrices, *, pressure_stiffness: bool) -> CellMatrices:
+        """The same with the stiffness of the moduli that carry the pressure, as one material."""
+        about = self.applied_to(cell, pressure_stiffness=pressure_stiffness)
+        return replace(about, K={"static": self.K_static}, relaxation={})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,6 +155,8 @@ class Inflatable:
             relaxation={},
             K_G=K_G,
             K_P=self._pressure_stiffness(at_rest, pressure),
+            K_static=K,
+            strain=max(_largest_strain(b.H, u[b.numbers]) for b in self._bricks),
         )
 
     def nonlinear(self, pressure: float) -> Inflation:
@@ -197,12 +208,13 @@ class Inflatable:
 
     def _about(self, q: FloatArray, pressure: float, steps: tuple[LoadStep, ...]) -> Inflation:
         """Everything that vibration about the deformed state q needs."""
-        K, stress, K_G = {}, {}, self._zero()
+        K, stress, K_G, K_static = {}, {}, self._zero(), self._zero()
         relaxation: dict[str, Relaxation] = {}
         for bricks, state in self._deformed(q):
             if isinstance(at_rest := self.cell.relaxation[bricks.name], Reassembly):
                 relaxation[bricks.name] = self._reassembled(at_rest, bricks, state)
             K[bricks.name] = self._add(bricks, state.material_stiffness(bricks.dynamic))
+            K_static += self._add(bricks, state.material_stiffness(bricks.static))
             K_G += self._add(bricks, state.geometric_stiffness())
             stress[bricks.name] = state.S
         return Inflation(
@@ -214,6 +226,8 @@ class Inflatable:
             relaxation=relaxation,
             K_G=K_G,
             K_P=self._pressure_stiffness(q, pressure),
+            K_static=K_static,
+            strain=float("nan"),
         )
 
     def _reassembled(self, at_rest: Reassembly, bricks: _Bricks, state: Deformed) -> Reassembly:
@@ -310,3 +324,10 @@ class Inflatable:
     def _size(self, f: FloatArray) -> float:
         """Norm of forces (n_own,) over the dofs that move."""
         return float(np.linalg.norm(f[self._periodic.free]))
+
+
+def _largest_strain(H: FloatArray, u: FloatArray) -> float:
+    """The largest principal strain at any point of bricks under displacements u (e, 3a) [m]."""
+    gradient = np.einsum("egijn,en->egij", H, u, optimize=True)
+    strain = (gradient + gradient.transpose(0, 1, 3, 2)) / 2.0
+    return float(np.abs(np.linalg.eigvalsh(strain)).max())

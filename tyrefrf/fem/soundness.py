@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from tyrefrf.arrays import FloatArray
 from tyrefrf.errors import MeshError
 from tyrefrf.fem.assembly import CellMatrices
-from tyrefrf.fem.frames import axes
+from tyrefrf.fem.rigid import rigid_motions
 from tyrefrf.mesh.node_cell import NodeCell
 
 STRAINLESS = 1e-6
@@ -68,7 +67,7 @@ def examined(cell: CellMatrices, nodes: NodeCell) -> Soundness:
     """
     M = cell.sparse(cell.M)
     _check_mass(M)
-    u = rigid_motions(nodes)
+    u = rigid_motions(nodes.points, nodes.numbers < 0)
     n_cells = round(2.0 * np.pi / nodes.sector_angle)
     mass = n_cells * np.einsum("nk,nk->k", u[:, :3], M @ u[:, :3])
     r, y, _ = nodes.points.T
@@ -92,21 +91,6 @@ def examined(cell: CellMatrices, nodes: NodeCell) -> Soundness:
         translation=float(lack[:3].max()),
         rotation=float(lack[3:].max()),
     )
-
-
-def rigid_motions(nodes: NodeCell) -> FloatArray:
-    """(n, 6) unit translations along x, y and z, and rotations about them [m/rad], in the dofs.
-
-    What belongs to no node does not move.
-    """
-    r, y, theta = nodes.points.T
-    R = axes(theta)  # (nodes, local, Cartesian)
-    x = r[:, None] * R[:, 0] + y[:, None] * R[:, 1]
-    spins = np.stack([np.cross(spin, x) for spin in np.eye(3)], axis=2)
-    still = np.tile(np.eye(3), (len(r), 1, 1))
-    motions = R @ np.concatenate([still, spins], axis=2)
-    motions[nodes.numbers < 0] = 0.0
-    return motions.reshape(-1, 6)
 
 
 def _check_mass(M: csr_array) -> None:

@@ -25,12 +25,8 @@ from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.mesh.node_files import read_node_set, read_nodes
 from tyrefrf.mesh.outside import OutsideMesh
 from tyrefrf.mesh.place import Place
-from tyrefrf.solvers.inertia import negative_eigenvalues
-from tyrefrf.solvers.orders import Orders
-
-SHIFT = 1e-8
-"""Of trace K / trace M: what is added to K as so much mass, so that a free tyre's rigid motions do
-not count as unstable by rounding."""
+from tyrefrf.solvers.inertia import negative_masses
+from tyrefrf.solvers.stability import instability
 
 Read = TypeVar("Read")
 
@@ -177,24 +173,21 @@ def _words(files: CellFiles) -> Iterator[str]:
 
 
 def _check_stable(cell: CellMatrices, n_cells: int) -> None:
-    """Raise CaseError where the static stiffness has a negative direction at some order."""
-    K = sum(cell.K.values(), start=cell.K_G)
-    diagonal = cell.rows == cell.indices
-    shift = SHIFT * np.abs(K[diagonal]).sum() / cell.M[diagonal].sum()
-    orders = Orders(cell)
-    folded = orders.folded(K + shift * cell.M)
-    for h in range(n_cells // 2 + 1):
-        count = negative_eigenvalues(orders.matrix(folded.at(2.0 * np.pi * h / n_cells)))
-        if count:
-            raise CaseError(
-                [
-                    Problem(
-                        ("matrices", "K"),
-                        f"the static stiffness is indefinite at circumferential order {h} ({count} "
-                        "negative eigenvalues): such a tyre is not stable; see to K, and K_G",
-                    )
-                ]
-            )
+    """Raise CaseError where static stiffness or mass has a negative direction at some order."""
+    found = instability(cell, n_cells)
+    if found is not None:
+        bears = f", though it bears {found.share:.3g} of K_G" if found.share else ""
+        message = (
+            f"the static stiffness is {found.words}: such a tyre is not stable{bears}; see to K, "
+            "and K_G"
+        )
+        raise CaseError([Problem(("matrices", "K"), message)])
+    if lacking := negative_masses(cell, n_cells):
+        message = (
+            "M is no mass: some motions of circumferential order "
+            f"{', '.join(map(str, lacking))} would have negative kinetic energy"
+        )
+        raise CaseError([Problem(("matrices", "M"), message)])
 
 
 def _check_hub(case: Case, matrices: BroughtMatrices) -> None:

@@ -18,6 +18,7 @@ from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.study.choose import decided
 from tyrefrf.study.cost import line_seconds, section_dofs
+from tyrefrf.study.inflate import strained
 from tyrefrf.study.local import pinned
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.outside import described
@@ -123,7 +124,11 @@ def _elements(case: Case, model: Model, top: float) -> _Look:
         mass=tyre_mass(model.problem),
         masses=_masses(case, mesh, laws),
         resolution=resolution,
-        warnings=(*_coarse(case, resolution), *_small_discs(model, mesh)),
+        warnings=(
+            *_coarse(case, resolution),
+            *_small_discs(model, mesh),
+            *strained(model.inflation),
+        ),
     )
 
 
