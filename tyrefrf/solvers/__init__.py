@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tyrefrf.solvers.cyclic import Cyclic
 from tyrefrf.solvers.direct import Direct, check_library
+from tyrefrf.solvers.lines import answer, field_of, solve_field, solve_line
 from tyrefrf.solvers.memory import check_memory
 from tyrefrf.solvers.modal import Modal
 from tyrefrf.solvers.problem import (
@@ -15,11 +16,8 @@ from tyrefrf.solvers.problem import (
     Line,
     RingProblem,
     Solver,
-    answer,
     no_answer,
     responses,
-    solve_field,
-    solve_line,
 )
 from tyrefrf.solvers.recursive import Recursive
 from tyrefrf.solvers.sensors import Sensors
@@ -51,6 +49,7 @@ def prepare(problem: RingProblem, choice: case.Solver, jobs: int = 1) -> Maker:
         return partial(Direct, problem, library)
     if choice.name == "modal":
         return partial(_itself, Modal.prepare(problem, choice))
+    _ = problem.is_soft  # known here, it need not be found in each process
     return partial(SOLVERS[choice.name], problem)
 
 
@@ -72,6 +71,7 @@ __all__ = [
     "Solver",
     "TimedLine",
     "answer",
+    "field_of",
     "no_answer",
     "prepare",
     "responses",

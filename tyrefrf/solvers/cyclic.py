@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray
 from tyrefrf.solvers.banded import BandedOrders
 from tyrefrf.solvers.orders import Folded, Orders
-from tyrefrf.solvers.problem import Field, RingProblem, watched
+from tyrefrf.solvers.problem import Field, RingProblem, needs_watch, watched
 from tyrefrf.solvers.symmetry import UNTOUCHED, Turnabout, halves, mapped, turnabout
 
 
@@ -65,21 +65,25 @@ class Cyclic:
     def field(self, omega: float) -> Field:
         """Solve one line; omega [rad/s]. Raises SingularError if an order resonates undamped."""
         D = self.problem.cell.dynamic_stiffness(omega)
-        if np.any(D.imag):
-            return self._checked(D)
-        return self._watching._checked(D).without_last()
+        if needs_watch(self.problem, D, omega):
+            return self._watching._checked(D).without_last()
+        return self._checked(D)
 
     @cached_property
     def _watching(self) -> Cyclic:
-        """The solver of lines without any loss, where one load more is needed for proof."""
+        """The solver of lines where one load more is needed for proof: see `needs_watch`."""
         return Cyclic(watched(self.problem))
 
     def _checked(self, D: ComplexArray) -> Field:
         """The field from the cell's dynamic stiffness entries."""
+        return Field.checked(self.problem, D, self.displacements(D))
+
+    def displacements(self, D: ComplexArray) -> ComplexArray:
+        """The ring's (n_cells, n_own, n_loads), unchecked. Raises SingularError as `field`."""
         problem = self.problem
         q = np.zeros((problem.cell.n_own, problem.n_cells, problem.n_loads), complex)
         q[problem.free] = np.fft.ifft(self._all_orders(self._orders.folded(D)), axis=1)
-        return Field.checked(problem, D, np.moveaxis(q, 0, 1))
+        return np.moveaxis(q, 0, 1)
 
     def _all_orders(self, D: Folded) -> ComplexArray:
         """x_h (n, N, k), dof by dof, negative orders at the end."""

@@ -12,11 +12,25 @@ from scipy.sparse import csc_array, hstack
 from tyrefrf.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from tyrefrf.errors import SolveError
 from tyrefrf.fem.assembly import CellMatrices
+from tyrefrf.solvers.modes import Pencils
+from tyrefrf.solvers.rigid import RigidMotions
 from tyrefrf.solvers.sensors import Sensors
 
 RESIDUAL_MAX = 1e-6
 """A line's residual above which it counts as unsolved. Damped tyres stay below 4e-9 (steel belt;
 homogeneous: 4e-13), an undamped resonance of the ring on the line gives 0.02 to 3."""
+
+LOSSLESS, LOSSLESS_SHARE = 1e-3, 0.1
+"""Loss relative to the stiffness below which a dof has next to none, and the share of such dofs
+above which a mode may have next to none. The paper's layered tyre has 0.024 of them, in its steel;
+one with a single damper, or with a loss factor of 1e-9, has nearly all."""
+
+SOFT = 1e-9
+"""omega_r^2 of a mode over the largest diagonal of K over M, below which it has next to no
+stiffness. The paper's layered tyre has 4.7e-9, its homogeneous one 4e-6, a mechanism zero. There
+rounding moves a damped tyre's answer by more than its residual tells: by 4e-8 at a residual of
+9e-14, measured at 3 Hz on a block of tread that hangs by one edge; and more, the lower the line."""
+SAMPLED = 24  # orders, crowded towards 0, at which that is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +88,29 @@ class RingProblem:
         return cell, dof, loads.col, loads.data
 
     @cached_property
+    def rigid(self) -> RigidMotions:
+        """The rigid motions that nothing holds; mostly none."""
+        return RigidMotions.of(self.cell, self.n_cells)
+
+    @cached_property
+    def is_soft(self) -> bool:
+        """Whether some motion has next to no stiffness, by the modes of a sample of the orders."""
+        pencils = Pencils(self.cell, self.n_cells)
+        below = float(np.sqrt(SOFT * pencils.of(0).scale))
+        spread = np.geomspace(1, 1 + self.n_cells // 2, SAMPLED).astype(int) - 1
+        return any(pencils.of(int(h)).count_below(below) for h in np.unique(spread))
+
+    @cached_property
+    def diagonal(self) -> tuple[IntArray, FloatArray]:
+        """Which entries (nnz,) of the cell's stand on the diagonal, and their static stiffness.
+
+        Of the dofs that move.
+        """
+        cell = self.cell
+        entries = np.flatnonzero((cell.rows == cell.indices) & ~cell.fixed[cell.rows])
+        return entries, np.abs(cell.static[entries])
+
+    @cached_property
     def load_sizes(self) -> FloatArray:
         """(n_loads,) norms [N] of what acts on dofs that move."""
         _, dof, load, f = self.forces
@@ -88,12 +125,26 @@ class RingProblem:
         return found
 
 
+def needs_watch(problem: RingProblem, D: ComplexArray, omega: float) -> bool:
+    """Whether a line's answer may hold motions that its loads' own residual does not tell.
+
+    So where modes that lose next to nothing may resonate, and where some have next to no stiffness.
+    D: entries (nnz,) of the cell's dynamic stiffness at omega [rad/s].
+    """
+    if omega == 0.0 or problem.is_soft:
+        return True
+    entries, stiffness = problem.diagonal
+    without = np.abs(D[entries].imag) < LOSSLESS * stiffness
+    return bool(np.mean(without) > LOSSLESS_SHARE)
+
+
 def watched(problem: RingProblem) -> RingProblem:
     """The same problem with one load more: forces without any symmetry all over the first cell.
 
     A mode that no load excites, by symmetry, leaves no trace in the loads' residuals where it
     resonates undamped, and yet an arbitrary amount of it may be in the answer (measured: up to 300
     times the answer, at a residual of 4e-12). This load excites every mode: its residual tells.
+    So does it of motions with next to no stiffness, and of a mechanism's at 0 Hz, damped or not.
     """
     force = np.zeros((problem.n_ring_dofs, 1))
     moves = np.flatnonzero(problem.free)
@@ -164,41 +215,6 @@ class Solver(Protocol):
     def field(self, omega: float) -> Field:
         """Solve one line. Raises SingularError where the equations have no unique answer."""
         ...
-
-
-def solve_field(problem: RingProblem, solver: Solver, omega: float) -> Field:
-    """Solve one line for the whole ring and check it against the ring's own equations.
-
-    omega: [rad/s]. Raises SolveError, which names the frequency, where there is no answer.
-    """
-    try:
-        field = solver.field(omega)
-    except SolveError as error:
-        raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: {error}") from error
-    if solver.exact and not field.residual <= RESIDUAL_MAX:  # NaN too
-        raise SolveError(
-            f"{omega / (2.0 * np.pi):.6g} Hz: no trustworthy solution (residual "
-            f"{field.residual:.1e}): an undamped resonance lies on this line, or nothing holds "
-            "the tyre; add a loss factor, fix the rim, or move the line"
-        )
-    return field
-
-
-def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
-    """What the probes see of one line. Raises SolveError as `solve_field`."""
-    field = solve_field(problem, solver, omega)
-    try:
-        return Line(responses(problem, field, omega), field.residual, field.remark)
-    except SolveError as error:
-        raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: {error}") from error
-
-
-def answer(problem: RingProblem, solver: Solver, omega: float) -> Line:
-    """One line as `solve_line`; where that has no answer, NaN and the reason."""
-    try:
-        return solve_line(problem, solver, omega)
-    except SolveError as error:
-        return no_answer(problem, str(error))
 
 
 def no_answer(problem: RingProblem, reason: str) -> Line:

@@ -13,7 +13,7 @@ from tyrefrf.solvers.chain import Chain
 from tyrefrf.solvers.condense import Condenser, Interior
 from tyrefrf.solvers.cyclic import Cyclic
 from tyrefrf.solvers.mirror import MirrorChain
-from tyrefrf.solvers.problem import Field, RingProblem, watched
+from tyrefrf.solvers.problem import Field, RingProblem, needs_watch, watched
 from tyrefrf.solvers.ring import MOST_CHAINS, operations, ring_faces
 from tyrefrf.solvers.symmetry import UNTOUCHED, Share, mapped, shares, whole
 
@@ -60,7 +60,7 @@ class Recursive:
         """Solve one line; omega [rad/s]. Raises SingularError if the ring itself resonates."""
         D = self.problem.cell.dynamic_stiffness(omega)
         try:
-            field = self._checked(D)
+            field = self._checked(D, omega)
             if field.residual <= RESIDUAL_TRUSTED:
                 return field
             why = f"a chain of cells nearly resonates here (residual {field.residual:.0e})"
@@ -73,9 +73,9 @@ class Recursive:
         """Made for the first line that needs it; few tyres have one."""
         return Cyclic(self.problem)
 
-    def _checked(self, D: ComplexArray) -> Field:
-        """The recursion's field; where nothing is lost, one load more is needed for proof."""
-        if np.any(D.imag):
+    def _checked(self, D: ComplexArray, omega: float) -> Field:
+        """The recursion's field, with one load more where proof needs it: see `needs_watch`."""
+        if not needs_watch(self.problem, D, omega):
             return Field.checked(self.problem, D, self._solve(D))
         watching = self._watching
         return Field.checked(watching.problem, D, watching._solve(D)).without_last()

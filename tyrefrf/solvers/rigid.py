@@ -58,6 +58,16 @@ class RigidMotions:
         """How many there are."""
         return int(self.z.shape[1])
 
+    def moved(self, rows: ComplexArray | FloatArray, a: ComplexArray | FloatArray) -> ComplexArray:
+        """Of the whole ring (N, n_own, m): rows T_j z a, for rows (n_own, 6) and a (k, m)."""
+        return np.asarray(rows @ (self.turns @ (self.z @ a)), complex)
+
+    def against(
+        self, rows: ComplexArray | FloatArray, x: ComplexArray | FloatArray
+    ) -> ComplexArray:
+        """The sum over the cells of (rows T_j z)^T x_j (k, m); x (N, n_own, m)."""
+        return self.z.T @ np.einsum("jba,jbm->am", self.turns, rows.T @ x)
+
     @property
     def words(self) -> str:
         """Which they are: "2 rigid motions (translation along y, rotation about y)"."""

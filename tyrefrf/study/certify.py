@@ -22,7 +22,7 @@ from tyrefrf.mesh.place import Place
 from tyrefrf.results import Results
 from tyrefrf.results.certificate import Certificate
 from tyrefrf.results.proof import TRUNCATED
-from tyrefrf.solvers import Field, Maker, RingProblem, prepare, responses
+from tyrefrf.solvers import Field, Maker, RingProblem, field_of, prepare, responses
 from tyrefrf.solvers import Solver as RingSolver
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.cost import line_seconds
@@ -234,8 +234,8 @@ def _solve_again(
 ) -> _Again:
     """One line by the second solver; NaN where it finds no answer."""
     try:
-        field = second.field(line.omega)
-        own = own_solver.field(line.omega) if own_solver else None
+        field = field_of(problem, second, line.omega)
+        own = field_of(problem, own_solver, line.omega) if own_solver else None
     except SolveError:
         return _no_answer(line)
     n_loads = problem.shape[1]  # those at the sensors' places come after them

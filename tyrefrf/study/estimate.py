@@ -16,6 +16,7 @@ from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results import read_measured
 from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.memory import memory_needed
+from tyrefrf.solvers.reasons import loose
 from tyrefrf.study.choose import decided
 from tyrefrf.study.cost import line_seconds, section_dofs
 from tyrefrf.study.inflate import strained
@@ -94,7 +95,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
         n_sensors=len(problem.sensors.mass) if problem.sensors else 0,
         resolution=look.resolution,
         mesh_file=described(case) if case.mesh is not None else (),
-        warnings=look.warnings,
+        warnings=(*look.warnings, *loose(problem)),
         matrices=model.brought.facts if model.brought is not None else (),
         solver=solver.name,
         seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,

@@ -1,0 +1,69 @@
+"""Why a line has no trustworthy answer, found by counting; asked where a line has failed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tyrefrf.solvers.modes import Pencils
+from tyrefrf.solvers.problem import RingProblem
+
+NEAR = 1e-6
+"""Relative distance from the line within which a natural frequency is to blame for its failure."""
+STILL = 1e-12
+"""omega^2 up to which a motion costs nothing, relative to the largest diagonal of K over M."""
+MOST = 200_000
+"""Dofs of all orders together up to which they are counted: about a second of work."""
+
+
+def reason(problem: RingProblem, omega: float) -> str:
+    """What is wrong with a line, and what may help; omega [rad/s].
+
+    A mechanism, an undamped resonance on the line with its orders, or else too few digits for the
+    tyre and its mesh.
+    """
+    if problem.n_cells // 2 * int(problem.free.sum()) <= MOST:
+        guilty = _mechanism(problem) if omega == 0.0 else _resonance(problem, omega)
+        if guilty:
+            return f"{guilty}; add a loss factor, fix the rim, or move the line"
+    return (
+        "rounding leaves too few digits: a resonance without damping, walls or cells that are too "
+        f"thin (here {_width(problem):.2g} mm around the tread), or materials that are too unlike; "
+        "add a loss factor, fix the rim, widen cell.sector_angle, or move the line"
+    )
+
+
+def loose(problem: RingProblem) -> tuple[str, ...]:
+    """What an engineer should know of a tyre that is not held: it has no answer at 0 Hz."""
+    if problem.rigid.count:
+        what = f"nothing holds the tyre: {problem.rigid.words} cost nothing"
+    else:
+        what = _mechanism(problem)
+    return (f"{what}; a line at 0 Hz has no answer",) if what else ()
+
+
+def _mechanism(problem: RingProblem) -> str:
+    """Motions that cost nothing at 0 Hz although the rim is held; "" without."""
+    pencils = Pencils(problem.cell, problem.n_cells)
+    still = np.sqrt(STILL * pencils.of(0).scale)
+    counts = {pencil.order: pencil.count_below(still) for pencil in pencils}
+    found = ", ".join(f"{h} ({count})" for h, count in counts.items() if count)
+    return f"the tyre is a mechanism: motions of order {found} cost nothing" if found else ""
+
+
+def _resonance(problem: RingProblem, omega: float) -> str:
+    """Natural frequencies on the line, by the modes below it and just above; "" without."""
+    pencils = Pencils(problem.cell, problem.n_cells, omega)
+    found = [
+        str(pencil.order)
+        for pencil in pencils
+        if pencil.count_below(omega * (1.0 + NEAR)) > pencil.count_below(omega * (1.0 - NEAR))
+    ]
+    if not found:
+        return ""
+    orders = f"order{'s' if len(found) > 1 else ''} {', '.join(found)}"
+    return f"an undamped resonance of circumferential {orders} lies on this line"
+
+
+def _width(problem: RingProblem) -> float:
+    """Of a cell at its largest radius [mm]."""
+    return 1e3 * float(problem.cell.points[:, 0].max()) * 2.0 * np.pi / problem.n_cells
