@@ -49,7 +49,7 @@ def prepare(problem: RingProblem, choice: case.Solver, jobs: int = 1) -> Maker:
         return partial(Direct, problem, library)
     if choice.name == "modal":
         return partial(_itself, Modal.prepare(problem, choice))
-    _ = problem.is_soft  # known here, it need not be found in each process
+    _ = problem.softness  # known here, it need not be found in each process
     return partial(SOLVERS[choice.name], problem)
 
 

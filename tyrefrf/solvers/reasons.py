@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from tyrefrf.solvers.digits import too_few_digits
 from tyrefrf.solvers.modes import Pencils
-from tyrefrf.solvers.problem import RingProblem
+from tyrefrf.solvers.problem import RingProblem, loss_factor
 
 NEAR = 1e-6
 """Relative distance from the line within which a natural frequency is to blame for its failure."""
-STILL = 1e-12
+STILL = 1e-14
 """omega^2 up to which a motion costs nothing, relative to the largest diagonal of K over M."""
+UNDAMPED = 1e-3
+"""Loss factor below which a resonance that leaves no answer is called undamped."""
 MOST = 200_000
 """Dofs of all orders together up to which they are counted: about a second of work."""
 
@@ -25,10 +28,10 @@ def reason(problem: RingProblem, omega: float) -> str:
         guilty = _mechanism(problem) if omega == 0.0 else _resonance(problem, omega)
         if guilty:
             return f"{guilty}; add a loss factor, fix the rim, or move the line"
+    few = too_few_digits(problem)
     return (
-        "rounding leaves too few digits: a resonance without damping, walls or cells that are too "
-        f"thin (here {_width(problem):.2g} mm around the tread), or materials that are too unlike; "
-        "add a loss factor, fix the rim, widen cell.sector_angle, or move the line"
+        f"too few digits are left: {few[0] if few else 'a resonance without damping'}; add a loss "
+        "factor, fix the rim, or move the line"
     )
 
 
@@ -61,9 +64,6 @@ def _resonance(problem: RingProblem, omega: float) -> str:
     if not found:
         return ""
     orders = f"order{'s' if len(found) > 1 else ''} {', '.join(found)}"
-    return f"an undamped resonance of circumferential {orders} lies on this line"
-
-
-def _width(problem: RingProblem) -> float:
-    """Of a cell at its largest radius [mm]."""
-    return 1e3 * float(problem.cell.points[:, 0].max()) * 2.0 * np.pi / problem.n_cells
+    loss = loss_factor(problem, problem.cell.dynamic_stiffness(omega))
+    kind = "an undamped" if loss < UNDAMPED else "a very soft"
+    return f"{kind} resonance of circumferential {orders} lies on this line"

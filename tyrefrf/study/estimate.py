@@ -15,6 +15,7 @@ from tyrefrf.mesh.grooves import groove_layers, groove_rows
 from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results import read_measured
 from tyrefrf.solvers import RingProblem
+from tyrefrf.solvers.digits import too_few_digits
 from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.solvers.reasons import loose
 from tyrefrf.study.choose import decided
@@ -95,7 +96,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
         n_sensors=len(problem.sensors.mass) if problem.sensors else 0,
         resolution=look.resolution,
         mesh_file=described(case) if case.mesh is not None else (),
-        warnings=(*look.warnings, *loose(problem)),
+        warnings=(*look.warnings, *loose(problem), *too_few_digits(problem)),
         matrices=model.brought.facts if model.brought is not None else (),
         solver=solver.name,
         seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,
