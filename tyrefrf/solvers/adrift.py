@@ -23,13 +23,17 @@ from tyrefrf.solvers.problem import Field, RingProblem, norms, ring_forces, watc
 
 REMARK = "nothing holds the tyre: rigid motions by momentum, the rest by `cyclic`"
 
+IN_BALANCE = 1e-13
+"""Share of a field that its rigid motions may lack: rounding."""
+
 
 def balanced(problem: RingProblem, field: Field, omega: float) -> Field:
     """The field with the rigid motions that balance momentum in place of those it has."""
-    f = _ring_loads(problem)
-    q = field.q + _correction(problem, f, field.q, omega)
+    lack = _correction(problem, _ring_loads(problem), field.q, omega)
+    if np.linalg.norm(lack) <= IN_BALANCE * np.linalg.norm(field.q):
+        return field
     D = problem.cell.dynamic_stiffness(omega)
-    checked = Field.checked(problem, D, q)
+    checked = Field.checked(problem, D, field.q + lack)
     return replace(checked, residual=max(checked.residual, field.residual), remark=field.remark)
 
 

@@ -74,7 +74,7 @@ class BandedOrders:
         ab = band.reshape(-1, self._height).T
         lu, pivots, info = lapack.zgbtrf(ab, self.width, self.width, overwrite_ab=True)
         if info > 0:
-            raise SingularError("exactly singular: the tyre resonates undamped on this line")
+            raise SingularError("no solution: the equations are exactly singular")
         return BandedFactor(lu, pivots, self.width)
 
 

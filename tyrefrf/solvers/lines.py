@@ -55,8 +55,8 @@ def solve_field(problem: RingProblem, solver: Solver, omega: float) -> Field:
     try:
         field = field_of(problem, solver, omega)
     except SingularError as error:
-        why = f"no solution (singular); {reason(problem, omega)}" if solver.exact else str(error)
-        raise SolveError(f"{line}: {why}") from error
+        why = f"; {reason(problem, omega)}" if solver.exact else ""
+        raise SolveError(f"{line}: {error}{why}") from error
     except SolveError as error:
         raise SolveError(f"{line}: {error}") from error
     if solver.exact and not field.residual <= RESIDUAL_MAX:  # NaN too

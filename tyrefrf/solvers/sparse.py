@@ -121,9 +121,7 @@ def solve_sparse(
             ).solve(f)
         except RuntimeError as error:
             if threshold:
-                raise SingularError(
-                    "exactly singular: the tyre resonates undamped on this line"
-                ) from error
+                raise SingularError("no solution: the equations are exactly singular") from error
             continue
         if np.all(np.linalg.norm(A @ x - f, axis=0) <= PIVOT_RESIDUAL * np.linalg.norm(f, axis=0)):
             break

@@ -24,7 +24,7 @@ from tyrefrf.case.faults import did_you_mean
 from tyrefrf.errors import CommandError, SolveError
 from tyrefrf.results import Comparison, write_results
 from tyrefrf.results.comparison import reference_of
-from tyrefrf.solvers import Field, RingProblem, Solver, answer, prepare
+from tyrefrf.solvers import Field, RingProblem, Solver, answer, field_of, prepare
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.machine import blas, machine
 from tyrefrf.study.model import Model, build_model
@@ -169,7 +169,7 @@ def _spectrum(
     """All lines, one after another; the sections' fields at the samples go to files."""
     lines, seconds = [], []
     for index, frequency in enumerate(task.case.frequency.lines()):
-        keeping = _Keeping(solver)
+        keeping = _Keeping(problem, solver)
         sampled = index in task.samples
         start = time.process_time()
         lines.append(answer(problem, keeping if sampled else solver, 2.0 * np.pi * frequency))
@@ -189,12 +189,12 @@ def _spectrum(
 class _Keeping:
     """A solver whose last field is kept."""
 
-    def __init__(self, solver: Solver) -> None:
-        self.solver, self.exact = solver, solver.exact
+    def __init__(self, problem: RingProblem, solver: Solver) -> None:
+        self.problem, self.solver, self.exact = problem, solver, solver.exact
         self.kept: Field | None = None
 
     def field(self, omega: float) -> Field:
-        self.kept = self.solver.field(omega)
+        self.kept = field_of(self.problem, self.solver, omega)
         return self.kept
 
 
