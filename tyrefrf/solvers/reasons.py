@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tyrefrf.solvers.digits import too_few_digits
+from tyrefrf.solvers.digits import MANY, rounding_moves, too_few_digits
 from tyrefrf.solvers.modes import Pencils
 from tyrefrf.solvers.problem import RingProblem, loss_factor
 
@@ -14,6 +14,8 @@ STILL = 1e-14
 """omega^2 up to which a motion costs nothing, relative to the largest diagonal of K over M."""
 UNDAMPED = 1e-3
 """Loss factor below which a resonance that leaves no answer is called undamped."""
+NO_DIGIT = 0.1
+"""Share of the answer that rounding moves, above which a motion's stiffness may be none."""
 MOST = 200_000
 """Dofs of all orders together up to which they are counted: about a second of work."""
 
@@ -29,9 +31,11 @@ def reason(problem: RingProblem, omega: float) -> str:
         if guilty:
             return f"{guilty}; add a loss factor, fix the rim, or move the line"
     few = too_few_digits(problem)
+    if few:
+        return f"too few digits are left: {few[0]}"
     return (
-        f"too few digits are left: {few[0] if few else 'a resonance without damping'}; add a loss "
-        "factor, fix the rim, or move the line"
+        "a resonance without damping lies on this line; add a loss factor, fix the rim, or move "
+        "the line"
     )
 
 
@@ -45,7 +49,12 @@ def loose(problem: RingProblem) -> tuple[str, ...]:
 
 
 def _mechanism(problem: RingProblem) -> str:
-    """Motions that cost nothing at 0 Hz although the rim is held; "" without."""
+    """Motions that cost nothing at 0 Hz although the rim is held; "" without.
+
+    Nor where they are told from nothing, if by few digits: a belt of steel in very soft rubber.
+    """
+    if MANY < rounding_moves(problem) < NO_DIGIT:
+        return ""
     pencils = Pencils(problem.cell, problem.n_cells)
     still = np.sqrt(STILL * pencils.of(0).scale)
     counts = {pencil.order: pencil.count_below(still) for pencil in pencils}
