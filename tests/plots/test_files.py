@@ -10,6 +10,7 @@ import synthetic
 
 from tyrefrf.errors import ResultsError
 from tyrefrf.plots import draw_plots
+from tyrefrf.plots.files import FIGURES
 from tyrefrf.results import Results
 
 FEW = synthetic.LINES[::40]
@@ -45,6 +46,21 @@ def test_formats_are_what_they_say(tmp_path, form):
 def test_several_formats_are_written_side_by_side(tmp_path):
     written = draw_plots(named("radial"), tmp_path, formats=("png", "svg"))
     assert [path.name for path in written[:2]] == ["mobility_radial.png", "mobility_radial.svg"]
+
+
+def test_without_a_format_nothing_is_drawn(tmp_path, monkeypatch):
+    drawn = FIGURES[type(synthetic.results())](synthetic.results())
+    monkeypatch.setitem(FIGURES, type(synthetic.results()), lambda results: drawn)
+    assert draw_plots(synthetic.results(), tmp_path / "plots", ()) == []
+    assert not (tmp_path / "plots").exists()
+    assert next(drawn)[0] == "mobility_radial"  # nobody has asked before
+
+
+def test_letters_that_the_font_lacks_are_boxes_and_no_warnings(tmp_path):
+    load = replace(synthetic.LOADS[0], name="轮胎")
+    drive = replace(load, name="轮胎.drive")
+    made = synthetic.results(loads=(load,), probes=(drive,))
+    assert draw_plots(made, tmp_path)
 
 
 def test_an_unknown_format_is_refused_before_anything_is_drawn(tmp_path):

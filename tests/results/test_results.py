@@ -35,6 +35,13 @@ def test_a_response_is_the_one_of_its_names(made):
     np.testing.assert_array_equal(made.response("tangential", "far side", "receptance"), expected)
 
 
+@pytest.mark.parametrize("quantity", ["receptance", "mobility", "accelerance"])
+def test_one_response_is_to_the_bit_that_among_all(made, quantity):
+    one = made.response("tangential", "sidewall", quantity)
+    every = getattr(made, quantity)
+    np.testing.assert_array_equal(one, every[1, [p.name for p in made.probes].index("sidewall")])
+
+
 def test_the_driving_point_is_the_probe_named_after_its_load(made):
     expected = made.mobility[1, 3]
     np.testing.assert_array_equal(made.driving_point("tangential"), expected)

@@ -129,12 +129,18 @@ class Results:
     @property
     def mobility(self) -> ComplexArray:
         """(l, p, f) velocity per force, i omega H [m/(s N)]."""
-        return 1j * self.omega * self.receptance
+        return self._as("mobility", self.receptance)
 
     @property
     def accelerance(self) -> ComplexArray:
         """(l, p, f) acceleration per force, -omega^2 H [m/(s^2 N)]."""
-        return -(self.omega**2) * self.receptance
+        return self._as("accelerance", self.receptance)
+
+    def _as(self, quantity: Quantity, receptance: ComplexArray) -> ComplexArray:
+        """Receptances (..., f) as another quantity: of one response without making all the rest."""
+        if quantity == "receptance":
+            return receptance
+        return receptance * (1j * self.omega if quantity == "mobility" else -(self.omega**2))
 
     @property
     def missing(self) -> BoolArray:
@@ -169,8 +175,7 @@ class Results:
         index_of(quantity, get_args(Quantity), "quantity")
         i = index_of(load, [place.name for place in self.loads], "load")
         j = index_of(probe, [place.name for place in self.probes], "probe")
-        response: ComplexArray = getattr(self, quantity)[i, j]
-        return response
+        return self._as(quantity, self.receptance[i, j])
 
     def driving_point(self, load: str, quantity: Quantity = "mobility") -> ComplexArray:
         """(f,) the response of a load's own point in its own direction."""
