@@ -1,5 +1,6 @@
 """Matrices and lists of rows in other programs' formats: what is read, and what is refused."""
 
+import gzip
 import re
 
 import numpy as np
@@ -78,6 +79,13 @@ COMPLEX = "%%MatrixMarket matrix coordinate complex symmetric\n1 1 1\n1 1 4 0.1\
             "has 2 rows and 3 columns; expected",
         ),
         ("K.mtx", MARKET + "general\n1 1 1\n1 1 inf\n", "NaN or infinite"),
+        ("K.mtx", FULL.replace("1 2 -1\n", "1  1.5\n"), "Market file: Line 4: Invalid; expected 3"),
+        ("K.mtx", FULL + "3 3 6\n", "Market file: Truncated, or too long: 8 .* expected 7"),
+        ("K.mtx", FULL.replace("3 3 7", "3 x 7"), "is not a Matrix Market file"),
+        ("K.mtx", FULL.replace("3 3 7", "99999999 3 7"), "Line 2: .* does not say how large"),
+        ("K.mtx", FULL.replace("real", "pattern"), "coordinate pattern is not read"),
+        ("K.mtx", FULL.replace("general", "odd"), "'odd' is no symmetry"),
+        ("K.mtx", FULL.replace("2 2 5", "2 2.5 5"), "Line 6: Column index out of bounds"),
         ("K.npz", "PK", "is not a sparse matrix of scipy .*; write it with scipy.sparse.save_npz"),
     ],
 )
@@ -150,3 +158,17 @@ def test_what_is_no_list_of_rows_is_refused(text, message, tmp_path):
     (tmp_path / "cell.dof").write_text(text)
     with pytest.raises(MeshError, match=message):
         read_dofs(tmp_path / "cell.dof")
+
+
+@pytest.mark.parametrize("packed", ["", ".gz"])
+@pytest.mark.parametrize("symmetry", ["general", "symmetric"])
+@pytest.mark.parametrize("dense", [False, True], ids=["coordinate", "array"])
+def test_what_scipy_writes_comes_back(dense, symmetry, packed, tmp_path):
+    rng = np.random.default_rng(0)
+    A = rng.normal(size=(7, 7)) * (rng.random((7, 7)) < 0.5)
+    A += A.T
+    opened = gzip.open if packed else open
+    with opened(tmp_path / f"K.mtx{packed}", "wb") as file:
+        mmwrite(file, A if dense else csr_array(A), symmetry=symmetry, precision=17)
+    found = read_matrix(tmp_path / f"K.mtx{packed}")
+    np.testing.assert_array_equal(found.matrix.toarray(), A)

@@ -7,14 +7,17 @@ row. Abaqus' `*MATRIX OUTPUT, FORMAT=COORDINATE` has the same three columns.
 
 from __future__ import annotations
 
+import gzip
 import os
 import warnings
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, issparse, load_npz, tril, triu
+from scipy.sparse import coo_array, csr_array, load_npz, tril, triu
 
 from tyrefrf.arrays import FloatArray, IntArray
 from tyrefrf.errors import MeshError
@@ -25,6 +28,16 @@ SYMMETRIC = 1e-8
 of ten digits leaves."""
 
 MAX_ROWS = 10**7  # far beyond any cell: a number like that is a slip of the pen
+MOST_DIGITS = 12
+
+MAX_DENSE = 10**8
+MIRRORED = {"general": 0.0, "symmetric": 1.0, "hermitian": 1.0, "skew-symmetric": -1.0}
+"""What stands above the diagonal of a Matrix Market file, of what stands below."""
+
+COMPLEX = (
+    "holds complex numbers; bring the real matrix, and the loss of a stiffness as eta beside its "
+    "file"
+)
 
 DIRECTIONS = {
     **{"1": 0, "2": 1, "3": 2, "x": 0, "y": 1, "z": 2, "ux": 0, "uy": 1, "uz": 2},
@@ -94,7 +107,7 @@ def read_dofs(path: Path) -> IntArray:
         if len(words) == 1:
             words = words[0].split(".")
         row, node, direction = [str(len(found) + 1)] * (3 - len(words)) + words[:3]
-        if len(words) > 3 or not (row.isdigit() and node.isdigit()):
+        if len(words) > 3 or not (_is_count(row) and _is_count(node)):
             raise wrong(path, line, "is not node.direction, node direction or row node direction")
         if int(row) in found:
             raise wrong(path, line, f"row {row} is there twice")
@@ -112,12 +125,17 @@ def read_dofs(path: Path) -> IntArray:
     return dofs
 
 
+def _is_count(word: str) -> bool:
+    """Whether a word is a number of a row, a node or a direction."""
+    return word.isdecimal() and len(word) <= MOST_DIGITS
+
+
 def _direction(path: Path, line: int, word: str) -> int:
     """0 to 2, or 3 and more for another unknown of the node."""
     known = DIRECTIONS.get(word.lower())
     if known is not None:
         return known
-    if word.isdigit():
+    if _is_count(word):
         return int(word) - 1 if int(word) > 3 else 3
     if word.lower() in ("rotx", "roty", "rotz"):
         return 3 + "xyz".index(word[-1].lower())
@@ -136,13 +154,89 @@ def _from_npz(path: Path) -> csr_array:
 
 
 def _from_market(path: Path) -> csr_array:
-    from scipy.io import mmread
+    """A matrix in the Matrix Market exchange format, real and not only a pattern.
 
+    Not by scipy's reader: version 1.17 takes `1  1.5`, where a column is missing, for the entry
+    0.5 of row and column 1, and crashes on other damaged files.
+    Source: Boisvert, Pozo and Remington, The Matrix Market exchange formats, NISTIR 5935 (1996).
+    """
     try:
-        found = mmread(path, spmatrix=False)
-    except (OSError, ValueError, OverflowError, EOFError, MemoryError) as error:
+        with gzip.open(path, "rt") if path.suffix == ".gz" else path.open() as file:
+            return _market(file)
+    except (OSError, EOFError, ValueError) as error:
         raise MeshError(f"{path}: is not a Matrix Market file: {error}") from None
-    return csr_array(found if issparse(found) else coo_array(found))
+
+
+def _market(file: IO[str]) -> csr_array:
+    """The matrix of an open file. Raises ValueError with what is wrong, and its line."""
+    banner, n_lines = file.readline().lower().split(), 1
+    if len(banner) != 5 or banner[:2] != ["%%matrixmarket", "matrix"]:
+        raise ValueError("it does not begin with %%MatrixMarket matrix ...")
+    form, field, symmetry = banner[2:]
+    if field == "complex":
+        raise ValueError(COMPLEX)
+    if field not in ("real", "double", "integer") or form not in ("coordinate", "array"):
+        raise ValueError(f"{form} {field} is not read; write coordinate real")
+    if symmetry not in MIRRORED:
+        raise ValueError(f"{symmetry[:40]!r} is no symmetry")
+    line, n_lines = file.readline(), n_lines + 1
+    while line.startswith("%") or line.isspace():
+        line, n_lines = file.readline(), n_lines + 1
+    sizes = [int(word) for word in line.split()]
+    if len(sizes) != (3 if form == "coordinate" else 2) or not 0 < max(sizes[:2]) <= MAX_ROWS:
+        raise ValueError(f"Line {n_lines}: {line.strip()[:40]!r} does not say how large it is")
+    if form == "coordinate":
+        A = _of_entries(_numbers(file, 3, sizes[2], n_lines), sizes, n_lines)
+    else:
+        A = _of_columns(file, sizes, symmetry, n_lines)
+    return csr_array(A + MIRRORED[symmetry] * tril(A, -1).T) if MIRRORED[symmetry] else A
+
+
+def _numbers(file: IO[str], width: int, count: int, n_lines: int) -> FloatArray:
+    """(count, width) the rest of a file, behind so many lines. Raises ValueError as `_market`."""
+    begin = file.tell()
+    try:
+        with warnings.catch_warnings(action="error"):  # of a file without numbers
+            found: FloatArray = np.loadtxt(file, ndmin=2, comments="%")
+    except (ValueError, UserWarning):
+        found = np.empty((0, 0))  # the line is said below
+    if found.shape == (count, width):
+        return found
+    file.seek(begin)
+    there = 0
+    for number, line in enumerate(file, start=n_lines + 1):
+        words = line.partition("%")[0].split()
+        if words and (len(words) != width or not all(map(is_number, words))):
+            raise ValueError(f"Line {number}: Invalid; expected {width} number(s)")
+        there += bool(words)
+    if there == count == 0:
+        return np.empty((0, width))
+    raise ValueError(f"Truncated, or too long: {there} lines of numbers; expected {count}")
+
+
+def _of_entries(body: FloatArray, sizes: Sequence[int], n_lines: int) -> csr_array:
+    """From rows, columns and values."""
+    places = body[:, :2].astype(np.int64)
+    whole = (places == body[:, :2]) & (places >= 1) & (places <= sizes[:2])
+    if not whole.all():
+        entry = int(np.argmin(whole.all(axis=1)))
+        which = "Column" if whole[entry, 0] else "Row"
+        raise ValueError(f"Line {n_lines + 1 + entry}: {which} index out of bounds")
+    row, column = (places - 1).T
+    return csr_array(coo_array((body[:, 2], (row, column)), shape=tuple(sizes[:2])))
+
+
+def _of_columns(file: IO[str], sizes: Sequence[int], symmetry: str, n_lines: int) -> csr_array:
+    """From all values, column by column; of a symmetric matrix those from the diagonal down."""
+    rows, columns = sizes
+    if rows * columns > MAX_DENSE:
+        raise ValueError(f"{rows} x {columns} numbers are too many; write coordinate real")
+    row, column = np.indices((columns, rows))[::-1]
+    above = {"general": -rows, "skew-symmetric": 1}.get(symmetry, 0)
+    here = row - column >= above
+    A = np.zeros((columns, rows))
+    A[here] = _numbers(file, 1, int(here.sum()), n_lines)[:, 0]
+    return csr_array(A.T)
 
 
 def _from_triplets(path: Path) -> csr_array:
@@ -192,10 +286,7 @@ def _symmetric(A: csr_array, path: Path, *, is_open: bool) -> MatrixFile:
             f"{path}: has {A.shape[0]} rows and {A.shape[1]} columns; expected a square"
         )
     if np.iscomplexobj(A.data):
-        raise MeshError(
-            f"{path}: holds complex numbers; bring the real matrix, and the loss of a stiffness "
-            "as eta beside its file"
-        )
+        raise MeshError(f"{path}: {COMPLEX}")
     A = csr_array(A.astype(np.float64))
     A.sum_duplicates()
     A.eliminate_zeros()
