@@ -182,3 +182,9 @@ def test_a_line_without_proof_is_data(monkeypatch):
     assert np.isnan(found.order[:, 2]).all()
     assert (found.found[2], found.counted[2]) == (-1, -1)
     np.testing.assert_array_equal(np.delete(whole.waves, 2), np.delete(found.waves, 2))
+
+
+def test_a_line_on_which_no_wave_is_within_the_bound_has_none():
+    found = dispersion(small.case_with(), lines=1, decay=0.01, jobs=1)
+    assert found.waves.tolist() == [0]
+    assert not found.failed.any()

@@ -179,6 +179,7 @@ def in_branches(
     for number, (line, waves) in zip(numbers, solved, strict=True):
         for name in ("order", "decay", "velocity", "residual"):
             arrays[name][number, line.index] = getattr(waves, name)
-        energy = np.abs(line.shape.reshape(-1, len(DIRECTIONS), len(number))) ** 2
+        n_nodes = len(line.shape) // len(DIRECTIONS)
+        energy = np.abs(line.shape.reshape(n_nodes, len(DIRECTIONS), len(number))) ** 2
         arrays["share"][number, :, line.index] = energy.sum(axis=0).T
     return arrays
