@@ -219,6 +219,19 @@ ONE_CHANGE = {
         "1.0\n",
         "7: materials.rubber.volume_fraction: 1.0 is out of range; must be below 1",
     ),
+    "a modulus that leaves no digits to another": (
+        "transverse",
+        "E_1 = 9e8\nE_2 = 2e7",
+        "E_1 = 9e13\nE_2 = 20",
+        "5: materials.rubber.E_1: 9e+13 Pa is too stiff; must be at most 1e+10 times E_2 = 20 Pa",
+    ),
+    "Poisson's ratio all but a half": (
+        "isotropic",
+        "nu = 0.42",
+        "nu = 0.49999999",
+        "5: materials.rubber.nu: 0.49999999 is too near to 0.5; must be from -0.9999999 to "
+        "0.4999999",
+    ),
     "Poisson's ratio too large for its moduli": (
         "orthotropic",
         "nu_23 = 0.6",

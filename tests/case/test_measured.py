@@ -135,7 +135,7 @@ def test_what_is_wrong_is_said(old, new, expected):
     ("mass", "words"),
     [
         ('"5 gr"', "unknown unit 'gr'; use one of kg, g, mg; did you mean 'g'?"),
-        ("0.0", "0.0 kg is out of range; must be above 0 kg"),
+        ("0.0", "0.0 kg is out of range; must be at least 1e-12 kg"),
     ],
 )
 def test_a_wrong_mass_is_said(mass, words):

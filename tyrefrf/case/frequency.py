@@ -7,17 +7,19 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from tyrefrf.case.faults import Fault
 from tyrefrf.case.table import Table
-from tyrefrf.case.units import FREQUENCY, Level, Quantity
+from tyrefrf.case.units import FREQUENCY, Level, Quantity, zero_or_more
 
 MAX_LINES = 1_000_000
 MIN_SPACING = 1e-3  # Hz; keeps neighbouring lines apart at 1 MHz
 ROUND_OFF = 1e-6  # of a step: how near to `stop` the last line counts as `stop`
 
-Hertz = Annotated[float, Quantity(FREQUENCY, ge=0, le=1e6)]
+Hertz = Annotated[
+    float, Quantity(FREQUENCY, ge=0, le=1e6), AfterValidator(zero_or_more(1e-6, "Hz"))
+]
 
 
 class Frequency(Table):

@@ -19,7 +19,8 @@ from tyrefrf.case.faults import Fault, refusal
 from tyrefrf.case.table import Name, Table
 from tyrefrf.case.units import ANGLE, LENGTH, Quantity
 
-Length = Annotated[float, Quantity(LENGTH, gt=0, le=100)]
+Length = Annotated[float, Quantity(LENGTH, ge=1e-6, le=100)]
+"""From what is thinner than any layer to what is wider than any tyre."""
 
 
 class Thickness(Table):

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from tyrefrf.case.table import Table
-from tyrefrf.case.units import STRESS, Quantity
+from tyrefrf.case.units import STRESS, Quantity, zero_or_more
 
 
 class Inflation(Table):
     """Pressure on the inner surface; the tyre vibrates about the shape that it gives."""
 
-    pressure: Annotated[float, Quantity(STRESS, ge=0, le=1e8)] = Field(
-        0.0, description="internal pressure above that outside [Pa]; 0: none"
-    )
+    pressure: Annotated[
+        float, Quantity(STRESS, ge=0, le=1e8), AfterValidator(zero_or_more(1e-3, "Pa"))
+    ] = Field(0.0, description="internal pressure above that outside [Pa]; 0: none")
     kind: Literal["linear", "nonlinear"] = Field(
         "linear",
         description="linear: stiffness on the shape at rest (the paper's); nonlinear: on the "

@@ -10,19 +10,25 @@ Poisson's ratio nu_12 is the contraction along 2 over the stretch along 1, under
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Annotated, Literal
 
-from pydantic import Field, Tag
+from pydantic import AfterValidator, Field, Tag
 
-from tyrefrf.case.faults import Fault, number_text
-from tyrefrf.case.modulus import Modulus, ModulusLaw
+from tyrefrf.case.faults import Fault, number_text, refusal
+from tyrefrf.case.modulus import LossFactor, Modulus, ModulusLaw
 from tyrefrf.case.table import Table, by_kind
 from tyrefrf.case.units import ANGLE, DENSITY, Quantity
 
-Density = Annotated[float, Quantity(DENSITY, gt=0)]
+Density = Annotated[float, Quantity(DENSITY, ge=1e-3, le=1e6)]
+"""From what is lighter than any foam to what is heavier than any metal."""
 Angle = Annotated[float, Quantity(ANGLE, ge=-90, le=90)]
+
+MOST_APART = 1e10
+"""Largest modulus of one material over its smallest, up to which 16 digits hold both."""
+
+_LEAST_DET = 1e-8  # of the compliance scaled to ones: that of an isotropic nu of 0.499999998
 
 _RHO = "density [kg/m3]"
 _ETA = "loss factor [-]"
@@ -33,13 +39,27 @@ _ANGLE = (
 )
 
 
+def _with_digits_left(nu: float) -> float:
+    """Refuse a nu that leaves no digits to the softer stiffness, of volume or of shape."""
+    least, most = -0.9999999, 0.4999999
+    if not least <= nu <= most:
+        end = "0.5" if nu > 0.0 else "-1"
+        message = f"{nu!r} is too near to {end}; must be from {least} to {most}"
+        raise refusal(Fault((), message))
+    return nu
+
+
+PoissonsRatio = Annotated[float, Field(gt=-1, lt=0.5), AfterValidator(_with_digits_left)]
+"""Of an isotropic material."""
+
+
 class Viscoelastic(Table):
     """An isotropic solid with a constant nu: K (1 + i eta), or K scaled by a complex modulus."""
 
     E: Modulus | None = Field(None, description="Young's modulus [Pa]")
-    nu: float = Field(gt=-1, lt=0.5, description=_NU)
+    nu: PoissonsRatio = Field(description=_NU)
     rho: Density = Field(description=_RHO)
-    eta: float = Field(0.0, ge=0, description=_ETA)
+    eta: LossFactor = Field(0.0, description=_ETA)
     modulus: ModulusLaw | None = Field(
         None, description="complex modulus that depends on frequency, instead of E and eta"
     )
@@ -80,12 +100,13 @@ class Orthotropic(Table):
     G_13: Modulus = Field(description="shear modulus between axes 1 and 3 [Pa]")
     G_23: Modulus = Field(description="shear modulus between axes 2 and 3 [Pa]")
     rho: Density = Field(description=_RHO)
-    eta: float = Field(0.0, ge=0, description=_ETA)
+    eta: LossFactor = Field(0.0, description=_ETA)
     angle: Angle = Field(0.0, description=_ANGLE)
 
     def _faults(self) -> Iterator[Fault]:
         E = {"1": self.E_1, "2": self.E_2, "3": self.E_3}
         yield from indefinite(E, {"12": self.nu_12, "13": self.nu_13, "23": self.nu_23})
+        yield from _too_far_apart(self, ("E_1", "E_2", "E_3", "G_12", "G_13", "G_23"))
 
 
 class Transverse(Table):
@@ -98,21 +119,25 @@ class Transverse(Table):
     nu_23: float = Field(gt=-1, lt=1, description=f"{_NU} in the plane across the fibres")
     G_12: Modulus = Field(description="shear modulus along the fibres [Pa]")
     rho: Density = Field(description=_RHO)
-    eta: float = Field(0.0, ge=0, description=_ETA)
+    eta: LossFactor = Field(0.0, description=_ETA)
     angle: Angle = Field(0.0, description=_ANGLE)
 
     def _faults(self) -> Iterator[Fault]:
         E = {"1": self.E_1, "2": self.E_2, "3": self.E_2}
         nu = {"12": self.nu_12, "13": self.nu_12, "23": self.nu_23}
         yield from (fault for fault in indefinite(E, nu) if fault.key != ("nu_13",))
+        yield from _too_far_apart(self, ("E_1", "E_2", "G_12"))
 
 
 class Cord(Table):
     """The cords of a ply: isotropic and free of loss."""
 
     E: Modulus = Field(description="Young's modulus [Pa]")
-    nu: float = Field(gt=-1, lt=0.5, description=_NU)
+    nu: PoissonsRatio = Field(description=_NU)
     rho: Density = Field(description=_RHO)
+
+
+Share = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
 class Ply(Table):
@@ -130,8 +155,8 @@ class Ply(Table):
         description="angle of each ply's cords from the circumferential direction [deg], turned "
         "towards the profile direction (rim at y < 0 to rim at y > 0)"
     )
-    shares: Annotated[tuple[Annotated[float, Field(gt=0)], ...], Field(strict=False)] | None = (
-        Field(None, description="thickness of each ply relative to the others; default: all equal")
+    shares: Annotated[tuple[Share, ...], Field(strict=False)] | None = Field(
+        None, description="thickness of each ply relative to the others; default: all equal"
     )
 
     def _faults(self) -> Iterator[Fault]:
@@ -166,9 +191,22 @@ def indefinite(E: dict[str, float], nu: dict[str, float]) -> Iterator[Fault]:
         )
     a, b, c = over.values()
     det = 1.0 - a * a - b * b - c * c - 2.0 * a * b * c
-    if det <= 0.0 and not wild:
+    if det <= _LEAST_DET and not wild:
+        definite = "not positive definite" if det <= 0.0 else "hardly positive definite"
+        least = 0.0 if det <= 0.0 else _LEAST_DET
         yield Fault(
             (),
-            "the stiffness is not positive definite: 1 - nu_12 nu_21 - nu_23 nu_32 - nu_13 nu_31 "
-            f"- 2 nu_12 nu_23 nu_31 = {det:.3g} must be above 0; make a Poisson's ratio smaller",
+            f"the stiffness is {definite}: 1 - nu_12 nu_21 - nu_23 nu_32 - nu_13 nu_31 "
+            f"- 2 nu_12 nu_23 nu_31 = {det:.3g} must be above {least:g}; make a Poisson's ratio "
+            "smaller",
         )
+
+
+def _too_far_apart(stuff: Table, names: Sequence[str]) -> Iterator[Fault]:
+    """Yield why the largest of a material's moduli would take all digits from the smallest."""
+    moduli = {name: getattr(stuff, name) for name in names}
+    softest = min(moduli, key=moduli.__getitem__)
+    stiffest = max(moduli, key=moduli.__getitem__)
+    if moduli[stiffest] > MOST_APART * moduli[softest]:
+        limit = f"must be at most {MOST_APART:g} times {softest} = {number_text(moduli[softest])}"
+        yield Fault((stiffest,), f"{number_text(moduli[stiffest])} Pa is too stiff; {limit} Pa")

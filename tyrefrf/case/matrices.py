@@ -11,13 +11,14 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from tyrefrf.case.faults import Fault
-from tyrefrf.case.modulus import ModulusLaw
+from tyrefrf.case.modulus import LossFactor, ModulusLaw
 from tyrefrf.case.table import Name, Table
 
 ONE_PART = "tyre"
 """Name of the stiffness that comes in one part."""
 
-File = Annotated[str, Field(min_length=1)]
+File = Annotated[str, Field(pattern=r"^[^\x00-\x1f\x7f]+$")]
+"""Name of a file, or of a set in one: in one line."""
 
 _MATRIX = (
     "Matrix Market (.mtx), scipy's sparse .npz, or lines of row, column and value "
@@ -30,7 +31,7 @@ class Part(Table):
     """A part of the stiffness with a loss of its own: K (1 + i eta), or K scaled by a modulus."""
 
     file: File = Field(description=f"the real stiffness matrix: {_MATRIX}")
-    eta: float = Field(0.0, ge=0, description="loss factor [-]")
+    eta: LossFactor = Field(0.0, description="loss factor [-]")
     modulus: ModulusLaw | None = Field(
         None,
         description="complex modulus that depends on frequency, instead of eta: the file's matrix "
@@ -56,7 +57,7 @@ class _OneOrMore:
     ) -> JsonSchemaValue:
         parts = handler(schema)
         ((name, part),) = parts["patternProperties"].items()
-        one = [{"type": "string", "minLength": 1}, part]
+        one = [{"type": "string", "pattern": r"^[^\x00-\x1f\x7f]+$"}, part]
         return {"anyOf": [*one, {**parts, "patternProperties": {name: {"anyOf": one}}}]}
 
 
@@ -100,12 +101,10 @@ class Matrices(Table):
         description="number, x, y, z of every node, or, with a heading that says so, r, y, theta "
         "[deg]; or the nodes of an .inp file"
     )
-    left: str = Field(min_length=1, description=f"section where the cell begins: {_SET}")
-    right: str = Field(
-        min_length=1, description=f"section where the cell ends, sector_angle further: {_SET}"
-    )
-    rim: str | None = Field(
-        None, min_length=1, description=f"nodes that the rim holds: {_SET}; default: a free tyre"
+    left: File = Field(description=f"section where the cell begins: {_SET}")
+    right: File = Field(description=f"section where the cell ends, sector_angle further: {_SET}")
+    rim: File | None = Field(
+        None, description=f"nodes that the rim holds: {_SET}; default: a free tyre"
     )
 
     @property

@@ -14,6 +14,7 @@ from tyrefrf.case.table import Name, Table
 FRFQuantity = Literal["receptance", "mobility", "accelerance"]
 UFF_ENDINGS = (".uff", ".unv", ".uf", ".ufb")
 MOST_COLUMNS = 10_000
+LEAST_SCALE = 1e-30
 
 
 def _number_or_header(value: object) -> int | str:
@@ -150,3 +151,6 @@ class MeasuredFile(Table):
                 yield Fault((), f"has no quantity, which a CSV file does not say; give {choices}")
         if self.scale == 0.0:
             yield Fault(("scale",), "0 leaves nothing of the response")
+        elif not LEAST_SCALE <= abs(self.scale) <= 1.0 / LEAST_SCALE:
+            limit = f"its size must be from {LEAST_SCALE:g} to {1.0 / LEAST_SCALE:g}"
+            yield Fault(("scale",), f"{self.scale:g} is out of range; {limit}")

@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, PrivateAttr
+from pydantic import AfterValidator, Field, PrivateAttr
 
 from tyrefrf.case.cell import Cell
 from tyrefrf.case.cross import cross_faults
-from tyrefrf.case.faults import Fault, number_text
+from tyrefrf.case.faults import Fault, number_text, refusal, shown
 from tyrefrf.case.frequency import Frequency, Hertz
 from tyrefrf.case.geometry import Geometry
 from tyrefrf.case.inflation import Inflation
@@ -29,6 +29,11 @@ from tyrefrf.case.sweep import Sweep
 from tyrefrf.case.table import Name, Table
 from tyrefrf.case.units import RATE, TIME, Quantity
 
+DEVICES = {"CON", "PRN", "AUX", "NUL"} | {
+    f"{port}{n}" for port in ("COM", "LPT") for n in range(10)
+}
+"""What Windows takes for devices, whatever the ending."""
+
 PlotFormat = Literal["png", "pdf", "svg"]
 ExportFormat = Literal["uff58", "csv", "mat"]
 
@@ -36,8 +41,10 @@ ExportFormat = Literal["uff58", "csv", "mat"]
 class Damping(Table):
     """Viscous damping in Rayleigh's form, C = alpha M + beta K, beside the loss factors."""
 
-    alpha: Annotated[float, Quantity(RATE, ge=0)] = Field(0.0, description="factor of M [1/s]")
-    beta: Annotated[float, Quantity(TIME, ge=0)] = Field(0.0, description="factor of K [s]")
+    alpha: Annotated[float, Quantity(RATE, ge=0, le=1e9)] = Field(
+        0.0, description="factor of M [1/s]"
+    )
+    beta: Annotated[float, Quantity(TIME, ge=0, le=1e3)] = Field(0.0, description="factor of K [s]")
 
 
 class Output(Table):
@@ -71,10 +78,17 @@ class Output(Table):
                 yield Fault(("deflections", i), f"{number_text(frequency)} Hz is listed twice")
 
 
+def _portable(name: str) -> str:
+    """Refuse names of files that Windows has not."""
+    if name.partition(".")[0].upper() in DEVICES or name.endswith("."):
+        raise refusal(Fault((), f"{shown(name)} is no file name on Windows; take another"))
+    return name
+
+
 class Case(Table):
     """A tyre, its loads and probes, and what is computed."""
 
-    name: str = Field(
+    name: Annotated[str, AfterValidator(_portable)] = Field(
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$",
         description="name of the case and its results (default: the file's); up to 100 letters, "
         "digits, '.', '_' and '-', beginning with a letter or digit",

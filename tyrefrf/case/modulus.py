@@ -17,9 +17,12 @@ KELVIN: Units = {"K": "1"}
 MAX_DECADES = 30.0
 """Decades that a shift may span: more is a slip of the pen near the formula's pole."""
 
-Modulus = Annotated[float, Quantity(STRESS, gt=0)]
-Seconds = Annotated[float, Quantity(TIME, gt=0)]
-Hertz = Annotated[float, Quantity(FREQUENCY, gt=0)]
+Modulus = Annotated[float, Quantity(STRESS, ge=1.0, le=1e15)]
+"""From what is softer than any gel to what is stiffer than any solid: diamond has 1.2e12 Pa."""
+LossFactor = Annotated[float, Field(ge=0, le=100)]
+Seconds = Annotated[float, Quantity(TIME, ge=1e-15, le=1e15)]
+Hertz = Annotated[float, Quantity(FREQUENCY, ge=1e-15, le=1e15)]
+Temperature = Annotated[float, Quantity(CELSIUS, ge=-273.15, le=1e4)]
 
 
 class Shift(Table):
@@ -28,14 +31,12 @@ class Shift(Table):
     E(f, temperature) = E(a_T f, T_ref) with log10 a_T = -C1 (T - T_ref)/(C2 + T - T_ref).
     """
 
-    C1: float = Field(gt=0, description="first constant of Williams, Landel and Ferry [-]")
-    C2: Annotated[float, Quantity(KELVIN, gt=0)] = Field(description="second constant [K]")
-    T_ref: Annotated[float, Quantity(CELSIUS)] = Field(
-        description="temperature at which the modulus was measured [degC]"
+    C1: float = Field(gt=0, le=1e4, description="first constant of Williams, Landel and Ferry [-]")
+    C2: Annotated[float, Quantity(KELVIN, ge=1e-3, le=1e4)] = Field(
+        description="second constant [K]"
     )
-    temperature: Annotated[float, Quantity(CELSIUS)] = Field(
-        description="temperature of the tyre [degC]"
-    )
+    T_ref: Temperature = Field(description="temperature at which the modulus was measured [degC]")
+    temperature: Temperature = Field(description="temperature of the tyre [degC]")
 
     @property
     def factor(self) -> float:
@@ -82,7 +83,7 @@ class TabledModulus(Law):
     E: Annotated[tuple[Modulus, ...], Field(strict=False)] = Field(
         description="storage modulus of each row [Pa]"
     )
-    eta: Annotated[tuple[Annotated[float, Field(ge=0)], ...], Field(strict=False)] = Field(
+    eta: Annotated[tuple[LossFactor, ...], Field(strict=False)] = Field(
         description="loss factor of each row [-]"
     )
     extrapolate: bool = Field(

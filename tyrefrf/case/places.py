@@ -14,7 +14,7 @@ from tyrefrf.case.units import ANGLE, LENGTH, MASS, Quantity
 Direction = Literal["r", "y", "theta"]
 Surface = Literal["outer", "inner"]
 ArcFraction = Annotated[float, Field(ge=0, le=1)]
-SensorMass = Annotated[float, Quantity(MASS, gt=0, le=100)]
+SensorMass = Annotated[float, Quantity(MASS, ge=1e-12, le=100)]
 
 MOST_POINTS = 10_000
 """The most points of a region."""
@@ -82,7 +82,7 @@ class OnSurface(Point):
 class OnPatch(OnSurface):
     """A disc on a surface of the tyre, under uniform traction."""
 
-    diameter: Annotated[float, Quantity(LENGTH, gt=0, le=1)] = Field(
+    diameter: Annotated[float, Quantity(LENGTH, ge=1e-6, le=1)] = Field(
         0.010, description="diameter of the disc [m]"
     )
 

@@ -40,7 +40,7 @@ class Solver(Table):
     modes: int | None = Field(
         None, ge=1, le=10_000_000, description="modal: how many of the lowest modes (1000)"
     )
-    cutoff: Annotated[float, Quantity(FREQUENCY, gt=0)] | None = Field(
+    cutoff: Annotated[float, Quantity(FREQUENCY, ge=1e-3, le=1e6)] | None = Field(
         None, description="modal: all modes up to this frequency [Hz], instead of a number"
     )
     damping: Literal["full", "modal"] = Field(

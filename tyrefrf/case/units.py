@@ -5,7 +5,7 @@ from __future__ import annotations
 import decimal
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Any
@@ -107,6 +107,18 @@ class Quantity:
         units = "|".join(re.escape(unit) for unit in self.units)
         number: dict[str, Any] = {"type": "number", **self._bounds()}
         return {"anyOf": [number, {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*({units})\s*$"}]}
+
+
+def zero_or_more(least: float, unit: str) -> Callable[[float], float]:
+    """What refuses numbers above zero and below the least: slips of the pen near none at all."""
+
+    def accepted(number: float) -> float:
+        if 0.0 < number < least:
+            limit = f"must be 0 or at least {least:g} {unit}"
+            raise refusal(Fault((), f"{number:.6g} {unit} is too near to 0; {limit}"))
+        return number
+
+    return accepted
 
 
 @dataclass(frozen=True, eq=False)
