@@ -19,6 +19,8 @@ from dataclasses import dataclass
 Key = tuple[str | int, ...]
 """A place in a case, as pydantic's `loc`: ("probes", 3, "s")."""
 
+LONGEST_KEY = 100  # letters that a message shows of a key
+
 
 class TyreFRFError(Exception):
     """Anything that tyrefrf itself reports."""
@@ -28,20 +30,37 @@ class TyreFRFError(Exception):
 class Problem:
     """One thing wrong with a case: where, and in words what, why and what to try.
 
-    `line` is 1-based; 0 where the place in the file is not known (yet).
+    `line` is 1-based; 0 where the place in the file is not known (yet). `at`: the key whose line
+    it is to be, where that is another, as for a point of a sweep.
     """
 
     key: Key
     message: str
     line: int = 0
+    at: Key = ()
 
     @property
     def place(self) -> str:
         """The key as an engineer writes it: `probes[3].s`."""
-        text = ""
-        for part in self.key:
-            text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
-        return text
+        return _joined(self.key)
+
+    @property
+    def words(self) -> str:
+        """The same for a message: what would break it is escaped, what is long cut."""
+        return _joined([_one_line(part) if isinstance(part, str) else part for part in self.key])
+
+
+def _joined(key: Sequence[str | int]) -> str:
+    text = ""
+    for part in key:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def _one_line(part: str) -> str:
+    """A key without what would break a message or a terminal."""
+    part = part if len(part) <= LONGEST_KEY else f"{part[:LONGEST_KEY]}..."
+    return part if part and part == part.strip() and part.isprintable() else repr(part)
 
 
 class CaseError(TyreFRFError):
@@ -57,7 +76,8 @@ class CaseError(TyreFRFError):
 
     def _describe(self, problem: Problem) -> str:
         where = f"{self.file or 'case'}:{problem.line}" if problem.line else self.file or "case"
-        return ": ".join(part for part in (where, problem.place, problem.message) if part)
+        message = "".join(c if c.isprintable() else repr(c)[1:-1] for c in problem.message)
+        return ": ".join(part for part in (where, problem.words, message) if part)
 
 
 class CommandError(TyreFRFError):
@@ -74,6 +94,15 @@ class SolveError(TyreFRFError):
 
 class SingularError(SolveError):
     """A matrix that is singular to working precision: an undamped resonance, or a mechanism."""
+
+
+def short_of_memory(error: MemoryError) -> str:
+    """What to say where memory ran out, and what would take less of it."""
+    what = f": {error}" if str(error) else ""
+    return (
+        f"memory ran out{what}; fewer --jobs, frequency lines, loads or probes, or a coarser mesh "
+        "take less (`tyrefrf check` says how much a case needs)"
+    )
 
 
 class ResultsError(TyreFRFError):

@@ -181,7 +181,7 @@ def test_a_point_is_the_case_with_nothing_else_changed(case):
         ({"E_rubber": (1e6, "1 MPa")}, ["E_rubber: 1 MPa is there twice"]),
         (
             {"E_rubber": Range(range=(0, 1e6), count=3, spacing="log")},
-            ["E_rubber: 0 Pa is out of range; must be above 0 Pa"],
+            ["E_rubber: 0 Pa is out of range; must be at least 1 Pa"],
         ),
         (
             {"eta_rubber": Range(range=(0, 1), count=3, spacing="log")},
@@ -241,7 +241,7 @@ def test_the_table_has_no_part_in_the_case_s_hash(small, case):
         ("E_rubber = [1e6, nan]", "sweep.E_rubber[1]: nan is not a finite number"),
         ("E_rubber = []", "sweep.E_rubber: is empty; must have at least 1"),
         ("E_rubber = 3", "sweep.E_rubber: 3 is not a list"),
-        ("E_rubber = [1e6, 0]", "sweep.E_rubber[1]: 0 Pa is out of range; must be above 0 Pa"),
+        ("E_rubber = [1e6, 0]", "sweep.E_rubber[1]: 0 Pa is out of range; must be at least 1 Pa"),
         ("E_rubber = [1e6, '1 MPa']", "sweep.E_rubber[1]: 1 MPa is there twice"),
         (
             "E_rubber = ['1 mm']",
@@ -269,7 +269,7 @@ def test_the_table_has_no_part_in_the_case_s_hash(small, case):
         ),
         (
             "crown = { range = [0, 1], count = 3 }",
-            "sweep.crown: 0 m is out of range; must be above 0 m",
+            "sweep.crown: 0 m is out of range; must be at least 1e-06 m",
         ),
         (
             "E_ruber = [1e6]",

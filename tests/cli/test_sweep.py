@@ -241,7 +241,7 @@ def test_all_bad_points_are_said_together_before_anything_is_computed(sweep, her
         "nearest: 7.2 deg (50 cells)",
         "sweep of small.toml: sector_angle: 11 deg does not divide 360 deg; "
         "nearest: 11.25 deg (32 cells)",
-        "sweep of small.toml: crown = 90 mm: geometry.thickness.crown: 0.09 m is too large; "
+        "sweep of small.toml:3: crown = 90 mm: geometry.thickness.crown: 0.09 m is too large; "
         "must be below outer_radius - widest_radius = 0.053 m",
     ]
     assert not (here / "results").exists()

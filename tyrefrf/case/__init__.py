@@ -8,7 +8,7 @@ from tyrefrf.case.grid import Grid, make_grid
 from tyrefrf.case.inflation import Inflation
 from tyrefrf.case.laid import laid_name
 from tyrefrf.case.load import build_case, load_case, parse_case, read_text
-from tyrefrf.case.locate import with_lines
+from tyrefrf.case.locate import in_sweep, with_lines
 from tyrefrf.case.material import (
     Cord,
     Isotropic,
@@ -102,6 +102,7 @@ __all__ = [
     "case_schema",
     "file_digests",
     "files_of",
+    "in_sweep",
     "laid_name",
     "load_case",
     "make_grid",

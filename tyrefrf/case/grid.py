@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import prod
 from typing import Any, TypeVar
 
 from tyrefrf.case.axis import Axis
+from tyrefrf.case.bounds import MAX_RESPONSES, n_responses
 from tyrefrf.case.load import build_case
 from tyrefrf.case.model import Case
 from tyrefrf.case.parameters import Parameter, find_parameter, read_values
 from tyrefrf.case.resolved import resolved
 from tyrefrf.case.sweep import Values
-from tyrefrf.errors import CaseError, MeshError, Problem
+from tyrefrf.errors import CaseError, Key, MeshError, Problem
 
 MAX_POINTS = 10_000
 
@@ -66,11 +67,21 @@ def make_grid(case: Case, wanted: Mapping[str, Values | None]) -> Grid:
         right, faults = read_values(parameter, given)
         problems += [Problem((parameter.name,), fault.message) for fault in faults]
         axes.append((parameter, parameter.axis(right)))
-    if prod(len(axis.values) for _, axis in axes) > MAX_POINTS:
-        problems.append(Problem((), f"the grid has more than {MAX_POINTS} points; use fewer"))
-    if problems and not all(axis.values for _, axis in axes):
+    problems += (too_large := list(_too_large(case, [axis for _, axis in axes])))
+    if too_large or (problems and not all(axis.values for _, axis in axes)):
         raise CaseError(problems)
     return _grid(case, axes, problems)
+
+
+def _too_large(case: Case, axes: Sequence[Axis]) -> Iterator[Problem]:
+    """Why these axes have too many points, or the case too many responses for them."""
+    points = prod(len(axis.values) for axis in axes)
+    responses = points * n_responses(case)
+    if points > MAX_POINTS:
+        yield Problem((), f"the grid has more than {MAX_POINTS} points; use fewer")
+    elif responses > MAX_RESPONSES:
+        made = f"the grid's {points} points make {responses} responses"
+        yield Problem((), f"{made}; must be at most {MAX_RESPONSES}: use fewer points or lines")
 
 
 def _own_values(case: Case, parameter: Parameter) -> Values:
@@ -120,18 +131,19 @@ def _at_all(
 ) -> list[Made]:
     """make(item) at every point; one CaseError with these problems and all points' own."""
     made: list[Made] = []
-    where: dict[tuple[str, str], list[Point]] = {}
+    where: dict[tuple[Key, str], list[Point]] = {}
     for point, item in zip(_points(axes), items, strict=True):
         try:
             made.append(make(item))
         except CaseError as error:
             for problem in error.problems:
-                where.setdefault((problem.place, problem.message), []).append(point)
+                where.setdefault((problem.key, problem.message), []).append(point)
         except MeshError as error:
-            where.setdefault(("", str(error)), []).append(point)
+            where.setdefault(((), str(error)), []).append(point)
     found = [
-        Problem((), ": ".join(filter(None, (_common(axes, points), place, message))))
-        for (place, message), points in where.items()
+        Problem((), ": ".join(filter(None, (_common(axes, points), place, message))), at=key)
+        for (key, message), points in where.items()
+        for place in [Problem(key, "").words]
     ]
     if problems or found:
         raise CaseError([*problems, *found])

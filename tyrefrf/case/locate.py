@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from tyrefrf.errors import CaseError, Key, Problem
 
@@ -34,10 +34,24 @@ def with_lines(error: CaseError, text: str, file: str) -> CaseError:
     """Return the error with the lines of its problems in the case's text, in their order."""
     lines = key_lines(text)
     problems = [
-        Problem(problem.key, problem.message, problem.line or line_of(lines, problem.key))
+        replace(problem, line=problem.line or line_of(lines, problem.at or problem.key))
         for problem in error.problems
     ]
     return CaseError(sorted(problems, key=lambda problem: problem.line), file)
+
+
+def in_sweep(error: CaseError, text: str, file: str) -> CaseError:
+    """The error of a sweep with the lines of what is wrong in the case, or at some of its points.
+
+    What is wrong on the command line, as a parameter's name, stands in no line.
+    """
+    lines = key_lines(text)
+
+    def placed(problem: Problem) -> Problem:
+        key = problem.at or (problem.key if problem.key[:1] in lines and problem.key else ())
+        return replace(problem, line=line_of(lines, key)) if key else problem
+
+    return CaseError([placed(problem) for problem in error.problems], file)
 
 
 def line_of(lines: Mapping[Key, int], key: Key) -> int:

@@ -33,14 +33,13 @@ _BOUNDS = {
 }
 
 
-def problems_of(error: ValidationError, at: Key = ()) -> list[Problem]:
-    """Return one problem per thing wrong within a table of the case, or in a value `at` a key.
+def problems_of(error: ValidationError, at: Key = ()) -> Iterator[Problem]:
+    """Yield a problem per thing wrong within a table of the case, or in a value `at` a key.
 
     What is wrong between tables is left to `cross_faults`, which sees the whole file.
     """
-    details = error.errors(include_url=False)
-    details = [{**detail, "loc": at + detail["loc"]} for detail in details]
-    return [problem for detail in details for problem in _problems(detail)]
+    for detail in error.errors(include_url=False):
+        yield from _problems({**detail, "loc": at + detail["loc"]})
 
 
 def _problems(detail: ErrorDetails) -> Iterator[Problem]:

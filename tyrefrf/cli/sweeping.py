@@ -73,12 +73,12 @@ def sweep_to_files(
         case_file = Path("case.toml")
     case, text = read_case(case_file, solver)
     wanted = parameters_of(given) or _only_own(case)
-    with _of_sweep(case_file):
+    with _of_sweep(case_file, text):
         grid = make_grid(case, wanted)
     check_exports(case.output.export)
     with new_target(output, f"{case.name}_sweep", force=force, resume=resume) as target:
         n_lines = len(grid.cases) * len(case.frequency.lines())
-        with workers_of(jobs, scheduler, n_lines) as workers, _of_sweep(case_file):
+        with workers_of(jobs, scheduler, n_lines) as workers, _of_sweep(case_file, text):
             # Imported while the processes start.
             from tyrefrf.cli.journal import beside_results
             from tyrefrf.cli.report import as_json
@@ -132,12 +132,14 @@ def _solved(
 
 
 @contextmanager
-def _of_sweep(case_file: Path | None) -> Iterator[None]:
-    """Say of errors that the case was not alone to blame."""
+def _of_sweep(case_file: Path | None, text: str) -> Iterator[None]:
+    """Say of errors that the case was not alone to blame, and where they stand in it."""
     try:
         yield
     except CaseError as error:
-        raise CaseError(error.problems, f"sweep of {case_file or 'built-in tyre'}") from None
+        from tyrefrf.case import in_sweep
+
+        raise in_sweep(error, text, f"sweep of {case_file or 'built-in tyre'}") from None
 
 
 def parameters_of(given: Given) -> dict[str, Values | None]:
