@@ -1,7 +1,15 @@
 """Case files: TOML becomes a frozen, validated `Case`, or one `CaseError` with every problem."""
 
 from tyrefrf.case.cell import Cell
-from tyrefrf.case.files import NamedFile, file_digests, files_of, read_bytes, unreadable
+from tyrefrf.case.files import (
+    NamedFile,
+    file_digests,
+    files_of,
+    opened,
+    read_bytes,
+    same_file,
+    unreadable,
+)
 from tyrefrf.case.frequency import Frequency
 from tyrefrf.case.geometry import Bead, Belt, Geometry, Thickness, Tread
 from tyrefrf.case.grid import Grid, make_grid
@@ -106,11 +114,13 @@ __all__ = [
     "laid_name",
     "load_case",
     "make_grid",
+    "opened",
     "parse_case",
     "read_bytes",
     "read_text",
     "resolved",
     "resolved_toml",
+    "same_file",
     "starter_text",
     "unreadable",
     "with_lines",

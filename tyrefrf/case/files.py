@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
+import os
 import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from tyrefrf.case.matrices import Matrices
 from tyrefrf.case.model import Case
@@ -13,6 +19,9 @@ from tyrefrf.errors import CaseError, Key, Problem
 
 INCLUDE = re.compile(rb"(?im)^\*include\s*,\s*input\s*=\s*\"?([^\s,\"]+)")
 """How an .inp names a file that it takes in."""
+
+MAX_FILE_BYTES = 2_000_000_000
+_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +40,14 @@ class NamedFile:
 
     def digest(self) -> str:
         """SHA-256 of what is in the file. Raises CaseError as `content`."""
-        return hashlib.sha256(self.content()).hexdigest()
+        found = hashlib.sha256()
+        try:
+            with opened(self.path) as file:
+                while some := file.read(_AT_ONCE):
+                    found.update(some)
+        except OSError as error:
+            raise CaseError([Problem(self.key, unreadable(self.path, error))]) from None
+        return found.hexdigest()
 
 
 def files_of(case: Case) -> tuple[NamedFile, ...]:
@@ -72,12 +88,31 @@ def file_digests(case: Case) -> list[tuple[str, str]]:
     return digests
 
 
-def read_bytes(path: Path) -> bytes:
-    """The content of a file. Raises OSError, also for what is no file name at all."""
+def read_bytes(path: Path, most: int = MAX_FILE_BYTES) -> bytes:
+    """The content of a file. Raises OSError as `opened`."""
+    with opened(path, most) as file:
+        return file.read()
+
+
+@contextmanager
+def opened(path: Path, most: int = MAX_FILE_BYTES) -> Iterator[IO[bytes]]:
+    """Open a file of at most so many bytes to be read.
+
+    Raises OSError, also for what is no file name at all, for directories, and for devices and
+    pipes, which may have no end, and for what is too large to be what a case names.
+    """
     try:
-        return path.read_bytes()
+        found = path.stat()
     except ValueError as error:  # a NUL in the path
         raise OSError(str(error)) from None
+    if stat.S_ISDIR(found.st_mode):
+        raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError("is a device or a pipe, and no file")
+    if found.st_size > most:
+        raise OSError(f"is larger than {most // 10**6} MB")
+    with path.open("rb") as file:
+        yield file
 
 
 def unreadable(path: Path, error: OSError) -> str:
@@ -87,14 +122,23 @@ def unreadable(path: Path, error: OSError) -> str:
 
 def _with_included(file: NamedFile) -> list[NamedFile]:
     """A file, and those that an .inp takes in by *INCLUDE, at any depth."""
-    found = [file]
-    for each in found:  # grows on the way
-        if each.path.suffix.lower() == ".inp" or each is not file:
-            for name in INCLUDE.findall(each.content()):
-                path = each.path.parent / name.decode(errors="replace")
-                if path not in (other.path for other in found):
-                    found.append(NamedFile(file.key, path))
-    return found
+    found = {same_file(file.path): file}
+    waiting = [file] if file.path.suffix.lower() == ".inp" else []
+    for each in waiting:  # grows on the way
+        for name in INCLUDE.findall(each.content()):
+            path = each.path.parent / name.decode(errors="replace")
+            if same_file(path) not in found:
+                found[same_file(path)] = NamedFile(file.key, path)
+                waiting.append(found[same_file(path)])
+    return list(found.values())
+
+
+def same_file(path: Path) -> str:
+    """What two paths to one file have in common, however they wind there."""
+    try:
+        return os.path.realpath(path)
+    except ValueError:  # a NUL in the path
+        return str(path)
 
 
 def _of_matrices(matrices: Matrices) -> dict[Key, str]:

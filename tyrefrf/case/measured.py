@@ -15,6 +15,7 @@ FRFQuantity = Literal["receptance", "mobility", "accelerance"]
 UFF_ENDINGS = (".uff", ".unv", ".uf", ".ufb")
 MOST_COLUMNS = 10_000
 LEAST_SCALE = 1e-30
+MOST_BYTES = 100_000_000  # of a file: a million lines of three columns take 40 MB
 
 
 def _number_or_header(value: object) -> int | str:

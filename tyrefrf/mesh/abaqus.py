@@ -20,6 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from tyrefrf.arrays import IntArray
+from tyrefrf.case import read_bytes, same_file
+from tyrefrf.case.faults import shown
 from tyrefrf.errors import MeshError
 from tyrefrf.mesh.outside import Elements, OutsideMesh
 
@@ -48,6 +50,14 @@ Trusses are lines, as Gmsh writes its physical curves.
 GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL")
 """Cards that make or move nodes and elements by rules."""
 
+MOST_FILES, DEEPEST = 1000, 50
+"""Files that are taken in by *INCLUDE, each as often as it is, and how deep."""
+
+MOST_MEMBERS = 10_000_000
+"""Members of a set. Sets of sets, and ranges, may name far more than there are nodes."""
+
+LARGEST_NUMBER = 10**12  # of a node or an element
+
 ANY_FACE = 0
 """Stands for the number of a face where a surface takes all outer faces of its elements."""
 
@@ -58,7 +68,7 @@ def read_inp(path: Path) -> OutsideMesh:
     Raises MeshError, naming the file and its line.
     """
     deck = _Deck()
-    for card in _cards(path, ()):
+    for card in _cards(path, (), iter(range(MOST_FILES))):
         deck.take(card)
     return deck.mesh(path)
 
@@ -79,28 +89,37 @@ class _Card:
 
     def whole(self, text: str, line: int) -> int:
         try:
-            return int(text)
+            number = int(text)
         except ValueError:
-            raise self.fault(f"'{text}' is not a whole number", line) from None
+            raise self.fault(f"{shown(text)} is not a whole number", line) from None
+        if abs(number) > LARGEST_NUMBER:
+            raise self.fault(f"{shown(text)} is no number of a node or an element", line)
+        return number
 
     def real(self, text: str, line: int) -> float:
         try:
             number = float(text.upper().replace("D", "E")) if text else 0.0
         except ValueError:
-            raise self.fault(f"'{text}' is not a number", line) from None
+            raise self.fault(f"{shown(text)} is not a number", line) from None
         if not np.isfinite(number):
-            raise self.fault(f"'{text}' is not a finite number", line)
+            raise self.fault(f"{shown(text)} is not a finite number", line)
         return number
 
 
-def _cards(path: Path, above: tuple[Path, ...]) -> Iterator[_Card]:
-    """The cards of a file and of those that it includes, in their order."""
-    if path.resolve() in above:
+def _cards(path: Path, above: tuple[str, ...], left: Iterator[int]) -> Iterator[_Card]:
+    """The cards of a file and of those that it includes, in their order.
+
+    above: the files that this one is in; left: a number for every file that may still be read.
+    """
+    if same_file(path) in above:
         raise MeshError(f"{path}: includes itself")
+    if len(above) > DEEPEST or next(left, None) is None:
+        limit = f"deeper than {DEEPEST}, or more than {MOST_FILES} files"
+        raise MeshError(f"{path}: files that include each other {limit}")
     try:
-        text = path.read_bytes().decode("utf-8-sig", errors="replace")
+        text = read_bytes(path).decode("utf-8-sig", errors="replace")
     except OSError as error:
-        raise MeshError(f"{path}: cannot be read: {error.strerror}") from None
+        raise MeshError(f"{path}: cannot be read: {error.strerror or error}") from None
     card: _Card | None = None
     begun = ""
     for number, line in enumerate(text.splitlines(), start=1):
@@ -116,7 +135,7 @@ def _cards(path: Path, above: tuple[Path, ...]) -> Iterator[_Card]:
             card = _Card(str(path), number, *_keyword(begun), data=[])
             begun = ""
             if card.keyword == "INCLUDE":
-                yield from _included(card, path, (*above, path.resolve()))
+                yield from _included(card, path, (*above, same_file(path)), left)
         elif card is not None:
             card.data.append((number, [part.strip() for part in line.split(",")]))
         else:
@@ -136,12 +155,14 @@ def _keyword(line: str) -> tuple[str, dict[str, str]]:
     return " ".join(first.upper().split()), parameters
 
 
-def _included(card: _Card, path: Path, above: tuple[Path, ...]) -> Iterator[_Card]:
+def _included(
+    card: _Card, path: Path, above: tuple[str, ...], left: Iterator[int]
+) -> Iterator[_Card]:
     name = card.parameters.get("INPUT", "")
     if not name:
         raise card.fault("*INCLUDE without INPUT=")
     try:
-        yield from _cards(path.parent / name, above)
+        yield from _cards(path.parent / name, above, left)
     except MeshError as error:
         raise card.fault(f"*INCLUDE: {error}") from None
 
@@ -248,15 +269,17 @@ class _Deck:
             else:
                 for part in filter(None, row):
                     members += self._members(card, sets, part, line)
+            if len(members) > MOST_MEMBERS:
+                raise card.fault(f"a set of more than {MOST_MEMBERS} members", line)
 
     def _members(
         self, card: _Card, sets: Mapping[str, list[int]], part: str, line: int
     ) -> list[int]:
         """A number, or those of a set; either may carry the name of the one instance."""
-        word = part if part.lstrip("+-").isdigit() else part.strip('"')
+        word = part if part.lstrip("+-").isdecimal() else part.strip('"')
         for candidate in (word, word.rpartition(".")[2]):
-            if candidate.lstrip("+-").isdigit():
-                return [int(candidate)]
+            if candidate.lstrip("+-").isdecimal():
+                return [card.whole(candidate, line)]
             if self._key(candidate) in sets:
                 return list(sets[self._key(candidate)])
         raise card.fault(f"'{part}' is neither a number nor a set above this line", line)
@@ -373,7 +396,10 @@ def _range(card: _Card, line: int, row: list[str]) -> range:
     if not 1 <= len(numbers) <= 3 or numbers[2:] == [0]:
         raise card.fault("GENERATE needs first, last and step", line)
     first, last = numbers[0], numbers[min(1, len(numbers) - 1)]
-    return range(first, last + 1, numbers[2] if len(numbers) == 3 else 1)
+    found = range(first, last + 1, numbers[2] if len(numbers) == 3 else 1)
+    if len(found) > MOST_MEMBERS:
+        raise card.fault(f"GENERATE of more than {MOST_MEMBERS} numbers", line)
+    return found
 
 
 def _unique(numbers: list[int]) -> IntArray:

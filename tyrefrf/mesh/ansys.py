@@ -33,6 +33,14 @@ NUMBER = 8
 def read_cdb(path: Path) -> OutsideMesh:
     """The mesh of a .cdb file, in its own unit and axes. Raises MeshError, naming the file."""
     archive = _read(path)
+    try:
+        return _outside(archive, path)
+    except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError) as error:
+        raise MeshError(f"{path}: is damaged: {error!r}") from error
+
+
+def _outside(archive: Any, path: Path) -> OutsideMesh:
+    """What mapdl-archive has read as ours."""
     numbers = np.asarray(archive.nnum, dtype=np.int64)
     place = {number: i for i, number in enumerate(numbers.tolist())}
     types = dict(np.asarray(archive.ekey)[:, :2].tolist())

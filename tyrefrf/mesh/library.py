@@ -28,7 +28,12 @@ DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
 
 def read_by_meshlane(path: Path) -> OutsideMesh:
     """The mesh of a file, in its own unit and axes. Raises MeshError, naming the file."""
-    return _outside(_read(path), path)
+    mesh = _read(path)
+    try:
+        _refuse_absent(mesh, str(path))
+        return _outside(mesh, path)
+    except (AttributeError, TypeError, ValueError, IndexError, OverflowError) as error:
+        raise MeshError(f"{path}: is damaged, or no such mesh: {error}") from error
 
 
 def in_memory(mesh: Any, name: str) -> OutsideMesh:

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from tyrefrf.arrays import FloatArray, IntArray
+from tyrefrf.case import read_bytes
 from tyrefrf.errors import MeshError
 from tyrefrf.mesh.abaqus import read_inp
 from tyrefrf.mesh.outside import OutsideMesh
@@ -79,9 +80,11 @@ def lines_of(path: Path) -> Iterator[tuple[int, list[str]]]:
     Raises MeshError where the file cannot be read as text.
     """
     try:
-        text = path.read_text("utf-8-sig")
+        text = read_bytes(path).decode("utf-8-sig")
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
+        reason = "it is not text"
+        if isinstance(error, OSError):
+            reason = error.strerror or str(error)
         raise MeshError(f"{path}: cannot be read: {reason}") from None
     for number, line in enumerate(text.splitlines(), start=1):
         words = [word for word in _APART.split(line.partition("#")[0]) if word]

@@ -17,6 +17,7 @@ import numpy as np
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.case import Columns, read_bytes
 from tyrefrf.case.faults import did_you_mean, shown
+from tyrefrf.case.measured import MOST_BYTES
 from tyrefrf.errors import ResultsError
 
 DEFAULT = Columns.model_validate({"real": 2, "imag": 3})
@@ -44,7 +45,7 @@ def read_csv(path: Path, columns: Columns | None) -> tuple[FloatArray, ComplexAr
     read.
     """
     columns = columns or DEFAULT
-    rows = list(rows_of(_text(read_bytes(path))))
+    rows = list(rows_of(_text(read_bytes(path, MOST_BYTES))))
     first = next((n for n, row in enumerate(rows) if row.is_numeric), None)
     if first is None:
         raise ResultsError(f"{path}: has no line of numbers")

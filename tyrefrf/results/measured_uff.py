@@ -17,7 +17,7 @@ import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.case import Dof, read_bytes
-from tyrefrf.case.measured import FRFQuantity
+from tyrefrf.case.measured import MOST_BYTES, FRFQuantity
 from tyrefrf.errors import ResultsError
 
 FUNCTION, UNITS = 58, 164
@@ -72,7 +72,7 @@ def read_uff(
 def _records(path: Path) -> tuple[list[Record], float]:
     """All data sets 58, and the factor of responses to SI by the units (164) of the file."""
     uff = _pyuff()
-    lines = _set_lines(path, read_bytes(path))
+    lines = _set_lines(path, read_bytes(path, MOST_BYTES))
     records: list[Record] = []
     to_si = 1.0
     file = uff.UFF(str(path))
