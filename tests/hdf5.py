@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from pathlib import Path
+
 import h5py
+
+from tyrefrf.results.seal import seal
 
 
 def undescribed(path):
@@ -48,3 +53,17 @@ def told(path, own):
         visit("", file)
         file.visititems(visit)
     return found
+
+
+@contextmanager
+def changed(path: Path):
+    """A results file, open to be changed; sealed again, as another version would have."""
+    with h5py.File(path, "r+") as file:
+        yield file
+    seal_again(path)
+
+
+def seal_again(path: Path) -> None:
+    """Seal a file that a test has changed, as another version of the program would have."""
+    with path.open("rb+") as file:
+        seal(file)

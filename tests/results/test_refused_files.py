@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 import synthetic
+from hdf5 import changed
 
 from tyrefrf.errors import ResultsError
 from tyrefrf.results import Results, load_any, load_results, write_results
@@ -62,7 +63,7 @@ def test_a_flipped_bit_in_a_response(path):
 
 
 def test_a_missing_dataset_is_named(path):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         del file["residual"]
     with pytest.raises(ResultsError, match=r"damaged.*residual"):
         load_results(path)
@@ -84,7 +85,7 @@ def test_hdf5_of_another_program(tmp_path, attributes):
 
 
 def test_a_newer_layout_says_what_to_do(path):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         file.attrs["layout"] = LAYOUT + 1
         file.attrs["version"] = "3.0"
     with pytest.raises(
@@ -94,7 +95,7 @@ def test_a_newer_layout_says_what_to_do(path):
 
 
 def test_a_newer_layout_of_an_unknown_version_says_what_to_do(path):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         file.attrs["layout"] = LAYOUT + 1
         del file.attrs["version"]
     with pytest.raises(ResultsError, match=r"unknown version.*upgrade it with `pip"):
@@ -107,7 +108,7 @@ def test_a_newer_layout_of_an_unknown_version_says_what_to_do(path):
     ids=["none", "text", "fraction", "zero", "negative", "several", "empty"],
 )
 def test_a_layout_that_is_none_is_named(path, layout):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         del file.attrs["layout"]
         if layout is not None:
             file.attrs["layout"] = layout
@@ -121,21 +122,21 @@ def test_a_layout_that_is_none_is_named(path, layout):
     ids=["other", "number", "several", "empty"],
 )
 def test_an_unknown_content_says_what_to_do(path, content):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         file.attrs["content"] = content
     with pytest.raises(ResultsError, match=r"holds .*, which this tyrefrf does not know: upgrade"):
         load_any(path)
 
 
 def test_without_a_content_it_is_a_run(path):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         del file.attrs["content"]
     assert load_results(path).provenance.case_name == "made_up"
 
 
 @pytest.mark.parametrize("attribute", ["version", "created", "case_hash", "n_cells"])
 def test_a_missing_attribute_is_named(path, attribute):
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         del file.attrs[attribute]
     with pytest.raises(ResultsError, match=rf"damaged.*{attribute}"):
         load_results(path)
@@ -158,7 +159,7 @@ def test_whatever_is_damaged_is_refused_or_not_needed(path, damage):
 def outcome(path, whole, name, damage):
     """What comes of a file whose `name` is something else: results, or which error."""
     path.write_bytes(whole)
-    with h5py.File(path, "r+") as file:
+    with changed(path) as file:
         del file[name]
         damage(file, name)
     try:

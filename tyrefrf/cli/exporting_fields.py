@@ -5,13 +5,12 @@ Of a run, whose file has responses only, the case that it keeps is solved again.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tyrefrf.case import Case, build_case, case_hash, file_digests, resolved
+from tyrefrf.case import Case, build_case, case_hash, file_digests, parse_case, resolved
 from tyrefrf.errors import CaseError, CommandError, Problem, ResultsError
 
 if TYPE_CHECKING:
@@ -84,7 +83,7 @@ def _of_modes(modes: Modes, count: int, directory: Path) -> FieldPlan:
     from tyrefrf.results.deflection import field_stem
     from tyrefrf.study.model import build_mesh
 
-    case = build_case(tomllib.loads(modes.provenance.resolved_case), modes.provenance.case_name)
+    case = _case_of(modes)
     cell = None if case.geometry is None else build_mesh(case)
     lowest = modes.frequency[:count].tolist()
     stems = [field_stem(f"mode_{k}", f, of_mode=True) for k, f in enumerate(lowest, start=1)]
@@ -94,12 +93,25 @@ def _of_modes(modes: Modes, count: int, directory: Path) -> FieldPlan:
     )
 
 
+def _case_of(results: Modes | Results) -> Case:
+    """The complete case that results keep.
+
+    Raises ResultsError where this version of tyrefrf would not take it.
+    """
+    origin = results.provenance
+    try:
+        return parse_case(origin.resolved_case, "their case", origin.case_name)
+    except CaseError as error:
+        message = "another version of tyrefrf made these results"
+        raise ResultsError(f"{message}; this one does not take {error}") from error
+
+
 def _of_run(results: Results, wanted: Wanted, directory: Path) -> FieldPlan:
     from tyrefrf.cli.fields import field_files, load_names
     from tyrefrf.results.deflection import field_stem
 
     origin = results.provenance
-    case = build_case(tomllib.loads(origin.resolved_case), origin.case_name)
+    case = _case_of(results)
     frequencies = frequencies_of(case, wanted.at)
     if not frequencies:
         raise CommandError('--to vtk: at which frequencies? give --at "100 Hz", or several')
@@ -166,4 +178,4 @@ def _of_option(problem: Problem) -> str:
     """A problem of a frequency as one of --at; any other at its place in the case."""
     if problem.key[:2] == ("output", "deflections"):
         return f"--at: {problem.message}"
-    return f"--at: {problem.place}: {problem.message}"
+    return f"--at: {problem.words}: {problem.message}"

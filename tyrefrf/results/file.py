@@ -20,6 +20,7 @@ from tyrefrf.errors import ResultsError
 from tyrefrf.results.field import Columns, Dataset, Field, Kind
 from tyrefrf.results.origin import LAYOUT, PROGRAM, check_origin
 from tyrefrf.results.results import Provenance
+from tyrefrf.results.seal import BLOCK, check_seal, seal
 from tyrefrf.results.whole import whole_file
 
 CONVENTIONS = (
@@ -43,16 +44,17 @@ def write_file(
 
 def file_image(content: str, provenance: Provenance, datasets: Sequence[Dataset]) -> memoryview:
     """The bytes of the file that `write_file` would write."""
-    with hdf5_image() as (file, image):
+    with hdf5_image(BLOCK) as (file, image):
         file.attrs.update(attributes_of(content, provenance))
         file.create_group("numbers").attrs.update(provenance.numbers)
         _write_datasets(file, datasets)
+    seal(image)
     return image.getbuffer()
 
 
 @contextmanager
-def hdf5_image() -> Iterator[tuple[Any, BytesIO]]:
-    """An HDF5 file to be filled, and the memory that it is in.
+def hdf5_image(block: int = 0) -> Iterator[tuple[Any, BytesIO]]:
+    """An HDF5 file to be filled, and the memory that it is in; `block` bytes in front are free.
 
     HDF5 does not survive a full disk: h5py's close fails, and the process ends with a segmentation
     fault (HDF5 2.0, h5py 3.16). A file made in memory is written in one go by Python, which does.
@@ -60,7 +62,7 @@ def hdf5_image() -> Iterator[tuple[Any, BytesIO]]:
     import h5py
 
     image = BytesIO()
-    with h5py.File(image, "w") as file:
+    with h5py.File(image, "w", userblock_size=block) as file:
         yield file, image
 
 
@@ -86,13 +88,17 @@ def open_file(path: Path, image: bytes | None = None) -> Iterator[Any]:
 
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
+    if image is None:
+        check_seal(path)
     if image is None and not h5py.is_hdf5(path):
         raise ResultsError(f"{path}: not an HDF5 file; expected what tyrefrf wrote")
     try:
         with h5py.File(path if image is None else BytesIO(image), "r") as file:
             check_origin(path, file)
             yield file
-    except (OSError, LookupError, RuntimeError, TypeError, ValueError, AttributeError) as error:
+    except ResultsError:
+        raise
+    except Exception as error:  # whatever h5py, or the reader, makes of what is not as it should be
         message = f"{path}: truncated or damaged: {error}; run the case again"
         raise ResultsError(message) from error
 
