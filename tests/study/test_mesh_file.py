@@ -15,7 +15,7 @@ from small import TEXT, case_with
 from written import as_drawn, cdb_text, inp_text, msh_text, shuffled, write
 
 from tyrefrf.case import Case, SectionFile, case_hash, load_case, make_grid
-from tyrefrf.errors import CaseError, MeshError
+from tyrefrf.errors import CaseError
 from tyrefrf.fem.assembly import CellAssembly
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.mesh.cell import revolve
@@ -276,5 +276,5 @@ def test_without_the_library_the_message_says_what_brings_it(tmp_path, monkeypat
     ):
         monkeypatch.setitem(sys.modules, module, None)
         case = mesh_case(tmp_path, mesh_text(file=file), "", file)
-        with pytest.raises(MeshError, match=rf'pip install "tyrefrf\[{extra}\]"'):
+        with pytest.raises(CaseError, match=rf'pip install "tyrefrf\[{extra}\]"'):
             build_model(case)

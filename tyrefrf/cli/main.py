@@ -17,8 +17,20 @@ import typer
 
 from tyrefrf.cli.interrupt import Interrupted, heeding_signals
 from tyrefrf.cli.sweeping import InOrder
-from tyrefrf.errors import CaseError, CommandError, MeshError, ResultsError, TyreFRFError
+from tyrefrf.errors import (
+    CaseError,
+    CommandError,
+    MeshError,
+    ResultsError,
+    SolveError,
+    TyreFRFError,
+    short_of_memory,
+)
+from tyrefrf.limits import LEAST, room_of_process
 from tyrefrf.study.local import ONE_THREAD
+
+NO_ROOM = "failed to map segment"
+"""What the loader says of a library for which there is no memory."""
 
 app = typer.Typer(
     help="Tyre vibrations to 3 kHz from one angular cell, by the recursive wave finite element "
@@ -362,7 +374,10 @@ def dispersion(
     lines: Annotated[
         int,
         typer.Option(
-            min=1, metavar="N", help="Frequencies, evenly spread over the case's range, without 0."
+            min=1,
+            max=100_000,
+            metavar="N",
+            help="Frequencies, evenly spread over the case's range, without 0.",
         ),
     ] = 100,
     decay: Annotated[
@@ -615,7 +630,11 @@ def main() -> None:
     """
     for variable, one in ONE_THREAD.items():
         os.environ.setdefault(variable, one)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # names may have letters that the terminal has not
+            stream.reconfigure(errors="backslashreplace")
     try:
+        _refuse_little_memory()
         with heeding_signals():
             app()
     except Interrupted as interrupt:
@@ -624,9 +643,22 @@ def main() -> None:
         _fail(error, 2)
     except TyreFRFError as error:
         _fail(error, 1)
+    except MemoryError as error:
+        _fail(SolveError(short_of_memory(error)), 1)
+    except ImportError as error:
+        if NO_ROOM not in str(error):
+            raise
+        _fail(SolveError(short_of_memory(MemoryError(str(error)))), 1)
     except OSError as error:
         where = [str(error.filename)] if error.filename else []
         _fail(ResultsError(": ".join([*where, error.strerror or str(error)])), 1)
+
+
+def _refuse_little_memory() -> None:
+    """Raise SolveError where a limit leaves no room for what every command imports."""
+    if (room := room_of_process()) < LEAST:
+        limit = f"{room / 1e6:.0f} MB are left by the limit on a process (ulimit -v)"
+        raise SolveError(f"needs {LEAST / 1e6:.0f} MB of memory to begin with, and {limit}")
 
 
 def _fail(error: BaseException, status: int) -> None:

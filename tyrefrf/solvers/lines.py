@@ -6,7 +6,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from tyrefrf.errors import SingularError, SolveError
+from tyrefrf.errors import SingularError, SolveError, short_of_memory
 from tyrefrf.solvers.adrift import balanced, parted
 from tyrefrf.solvers.problem import (
     RESIDUAL_MAX,
@@ -59,6 +59,8 @@ def solve_field(problem: RingProblem, solver: Solver, omega: float) -> Field:
         raise SolveError(f"{line}: {error}{why}") from error
     except SolveError as error:
         raise SolveError(f"{line}: {error}") from error
+    except MemoryError as error:
+        raise SolveError(f"{line}: {short_of_memory(error)}") from error
     if solver.exact and not field.residual <= RESIDUAL_MAX:  # NaN too
         why = f"no trustworthy solution (residual {field.residual:.1e})"
         raise SolveError(f"{line}: {why}; {reason(problem, omega)}")
@@ -72,6 +74,9 @@ def solve_line(problem: RingProblem, solver: Solver, omega: float) -> Line:
         return Line(responses(problem, field, omega), field.residual, field.remark)
     except SolveError as error:
         raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: {error}") from error
+    except MemoryError as error:
+        why = short_of_memory(error)
+        raise SolveError(f"{omega / (2.0 * np.pi):.6g} Hz: {why}") from error
 
 
 def answer(problem: RingProblem, solver: Solver, omega: float) -> Line:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from tyrefrf.arrays import IntArray
-from tyrefrf.case import AtNode, Case, HubProbe, Matrices, Point, RegionProbe
+from tyrefrf.case import AtNode, Case, HubProbe, Matrices, Point, RegionProbe, files_of
 from tyrefrf.case.faults import did_you_mean
 from tyrefrf.case.places import Direction
 from tyrefrf.errors import CaseError, Key, MeshError, Problem
@@ -27,6 +27,7 @@ from tyrefrf.mesh.outside import OutsideMesh
 from tyrefrf.mesh.place import Place
 from tyrefrf.solvers.inertia import negative_masses
 from tyrefrf.solvers.stability import instability
+from tyrefrf.study.memory import check_fits, need_of_files
 
 Read = TypeVar("Read")
 
@@ -78,6 +79,7 @@ def bring_matrices(case: Case) -> BroughtCell:
     Raises CaseError with every file that is wrong, or at [matrices] where they do not fit.
     """
     assert case.matrices is not None
+    check_fits(need_of_files([file.path for file in files_of(case)]))
     files = _read(case.matrices, case.directory)
     try:
         matrices = bring(files, 2.0 * np.pi / case.cell.n_cells)

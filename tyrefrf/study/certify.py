@@ -28,6 +28,7 @@ from tyrefrf.study.choose import with_solver
 from tyrefrf.study.cost import line_seconds
 from tyrefrf.study.executor import Executor, Task, Workers, executor_of, map_unordered
 from tyrefrf.study.local import pinned
+from tyrefrf.study.memory import check_fits, need_of_run
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.spectrum import Progress, solve_spectrum
 
@@ -113,6 +114,8 @@ def certified(plan: Plan, workers: Workers, progress: Progress = lambda n_lines:
     """The results with their certificate. Raises SolveError where nothing can be solved."""
     results = plan.results
     executor = executor_of(workers, plan.n_lines)
+    problems = [m.problem for m in (plan.model, plan.refined) if m is not None]
+    check_fits(need_of_run(plan.model.case, problems[-1:], executor.here))
     again = _checked_again(plan, executor, progress)
     certificate = Certificate(
         solver=plan.second.name,
@@ -236,7 +239,7 @@ def _solve_again(
     try:
         field = field_of(problem, second, line.omega)
         own = field_of(problem, own_solver, line.omega) if own_solver else None
-    except SolveError:
+    except (SolveError, MemoryError):
         return _no_answer(line)
     n_loads = problem.shape[1]  # those at the sensors' places come after them
     none = np.full(n_loads, np.nan)

@@ -27,6 +27,7 @@ from tyrefrf.results.comparison import reference_of
 from tyrefrf.solvers import Field, RingProblem, Solver, answer, field_of, prepare
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.machine import blas, machine
+from tyrefrf.study.memory import check_fits, need_of_comparison
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.own_process import Say, in_own_process, peak_memory
 from tyrefrf.study.run import provenance_of, results_of, sizes, static_state
@@ -93,6 +94,8 @@ def run_comparison(
     cases = {name: with_solver(case, name) for name in known_solvers(solvers)}
     picked = [with_lines(each, lines) for each in cases.values()]
     model = build_model(picked[0])
+    choices = [each.solver for each in picked]
+    check_fits(need_of_comparison(picked[0], model.problem, choices))
     samples = evenly(len(picked[0].frequency.lines()), SECTION_LINES)
     with TemporaryDirectory(prefix="tyrefrf_") as scratch:
         tasks = [Task(each, case_text, samples, Path(scratch)) for each in picked]

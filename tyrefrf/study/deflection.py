@@ -19,6 +19,7 @@ from tyrefrf.results.ring_mesh import RingMesh
 from tyrefrf.solvers import Field, prepare, solve_field
 from tyrefrf.study.choose import decided_model
 from tyrefrf.study.local import pinned
+from tyrefrf.study.memory import check_fits, need_of_deflections
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.run import provenance_of, sizes
 
@@ -62,6 +63,7 @@ def deflected(
         message = "have no elements to draw a deflection with; bring a mesh, as [mesh]"
         raise CaseError([Problem(("matrices",), message)])
     model, _ = pinned(decided_model)(build_model(case))
+    check_fits(need_of_deflections(model.case, model.problem))
     solver = pinned(prepare)(model.problem, model.case.solver)()
     gather = _Gather(model, case_text)
     for frequency in frequencies:

@@ -12,13 +12,14 @@ import numpy as np
 
 from tyrefrf.arrays import ComplexArray, FloatArray
 from tyrefrf.case import Case, load_case, read_text
-from tyrefrf.errors import CaseError, Problem, SolveError
+from tyrefrf.errors import CaseError, Problem, SolveError, short_of_memory
 from tyrefrf.results.dispersion import DIRECTIONS, NEPER, Dispersion
 from tyrefrf.solvers.problem import RingProblem
 from tyrefrf.solvers.waves import FreeWaves, Waves
 from tyrefrf.study.branches import Frame, branches
 from tyrefrf.study.executor import Task, Workers, executor_of, map_unordered
 from tyrefrf.study.local import cores, pinned
+from tyrefrf.study.memory import check_fits, need_of_waves
 from tyrefrf.study.model import build_model
 from tyrefrf.study.run import provenance_of, sizes, static_state
 from tyrefrf.study.spectrum import Progress
@@ -69,6 +70,7 @@ def dispersion_of(
     frequency = spread(case, lines)
     executor = executor_of(jobs or cores(), len(frequency))
     model = build_model(case)
+    check_fits(need_of_waves(model.problem, executor.here))
     found = search_lines(model.problem, frequency, decay / NEPER, executor, progress)
     counts = np.array([(w.found, w.counted) if (w := line.waves) else (-1, -1) for line in found])
     numbers = {**sizes(model), "seconds": time.perf_counter() - start}
@@ -133,8 +135,11 @@ def _solve_line(
     cell, start = free_waves.cell, time.perf_counter()
     try:
         waves = free_waves.at(2.0 * np.pi * float(frequency[index]), bound)
-    except SolveError as error:
-        return _failed_line(cell.n_face, index, time.perf_counter() - start, str(error))
+    except (SolveError, MemoryError) as error:
+        reason = str(error)
+        if isinstance(error, MemoryError):
+            reason = f"{frequency[index]:.6g} Hz: {short_of_memory(error)}"
+        return _failed_line(cell.n_face, index, time.perf_counter() - start, reason)
     mass = cell.sparse(cell.M).diagonal()[: cell.n_face]
     shape = np.sqrt(mass)[:, None] * waves.q[: cell.n_face]
     shape /= np.linalg.norm(shape, axis=0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tyrefrf.case import Case, Solver
+from tyrefrf.case import Case
 from tyrefrf.fem.constitutive import Constitutive, constitutive
 from tyrefrf.fem.elements import ELEMENTS, Element
 from tyrefrf.mesh.cell import CellMesh
@@ -16,17 +16,16 @@ from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results import read_measured
 from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.digits import too_few_digits
-from tyrefrf.solvers.memory import memory_needed
 from tyrefrf.solvers.reasons import loose
 from tyrefrf.study.choose import decided
 from tyrefrf.study.cost import line_seconds, section_dofs
 from tyrefrf.study.inflate import strained
 from tyrefrf.study.local import pinned
+from tyrefrf.study.memory import need_of_cell, need_of_run
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.outside import described
 from tyrefrf.study.resolution import Resolution, element_sizes, resolutions
 
-PROCESS_MEMORY = 130e6  # bytes of a process with numpy and scipy loaded
 START_UP = 3.0  # s: imports, worker processes, plots
 
 
@@ -74,7 +73,8 @@ def estimate(case: Case, jobs: int) -> Estimate:
     read_measured(case.measured, case.directory)
     model = build_model(case)
     mesh, problem = model.mesh, model.problem
-    solver = decided(case, problem)[0].solver
+    case = decided(case, problem)[0]
+    solver = case.solver
     lines = case.frequency.lines()
     look = _elements(case, model, lines[-1])
     return Estimate(
@@ -100,7 +100,7 @@ def estimate(case: Case, jobs: int) -> Estimate:
         matrices=model.brought.facts if model.brought is not None else (),
         solver=solver.name,
         seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,
-        memory=_memory(solver, problem, jobs),
+        memory=_memory(case, model, jobs),
     )
 
 
@@ -198,12 +198,7 @@ def _small_discs(model: Model, mesh: CellMesh) -> list[str]:
     ]
 
 
-def _memory(solver: Solver, problem: RingProblem, jobs: int) -> float:
-    """Bytes that all processes take together."""
-    if solver.name == "direct":
-        return jobs * memory_needed(problem, solver.library)
-    n = section_dofs(problem)
-    matrices = 6 * problem.n_cells.bit_length() if solver.name == "recursive" else 2
-    cell = 16.0 * (int(problem.free.sum()) + n) ** 2
-    field = 16.0 * problem.n_ring_dofs * problem.n_loads * 4
-    return jobs * (PROCESS_MEMORY + 16.0 * matrices * n**2 + cell + field)
+def _memory(case: Case, model: Model, jobs: int) -> float:
+    """Bytes that all processes take together, at their peak: assembling the cell, or solving."""
+    assembled = need_of_cell(case, len(getattr(model.mesh, "bricks", ())))
+    return max(assembled.total, need_of_run(case, [model.problem], jobs).total)

@@ -19,6 +19,7 @@ from tyrefrf.case import (
     RegionProbe,
     file_digests,
 )
+from tyrefrf.case.bounds import section_elements
 from tyrefrf.case.places import Direction
 from tyrefrf.errors import CaseError, MeshError, Problem
 from tyrefrf.fem.assembly import CellAssembly, CellMatrices
@@ -34,6 +35,7 @@ from tyrefrf.mesh.surface import Spots, Surface
 from tyrefrf.solvers import RingProblem, Sensors
 from tyrefrf.study.brought import BroughtCell, NodeFinder, bring_matrices
 from tyrefrf.study.inflate import elasticity_key, inflate
+from tyrefrf.study.memory import check_fits, need_of_cell
 from tyrefrf.study.outside import mesh_of_file
 
 Placed = tuple[Place, csc_array]
@@ -187,11 +189,21 @@ class Outline:
 def build_mesh(case: Case) -> CellMesh:
     """Mesh one cell of a case, or read it.
 
-    Raises CaseError or MeshError where its sizes do not fit, or its file is no such mesh.
+    Raises CaseError, naming the key, where its sizes do not fit, or its file is no such mesh;
+    MeshError where a mesh in memory is none.
     """
     if case.mesh is not None:
         return mesh_of_file(case)
+    try:
+        return _mesh_of_geometry(case)
+    except MeshError as error:
+        raise CaseError([Problem(("geometry",), str(error))]) from error
+
+
+def _mesh_of_geometry(case: Case) -> CellMesh:
+    """The built-in section, revolved or cut by grooves."""
     assert case.geometry is not None  # the case saw to it that there is one of them
+    check_fits(need_of_cell(case, section_elements(case) * case.cell.elements_around))
     quadratic = ELEMENTS[case.cell.element].n_nodes == 20
     section, tread = tyre_section(case.geometry, quadratic), case.geometry.tread
     if tread is not None and tread.grooves is not None:

@@ -15,10 +15,12 @@ from tyrefrf.fem.assembly import CellMatrices
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.mesh.node_cell import NodeCell
 from tyrefrf.results.modes import Modes
+from tyrefrf.solvers import RingProblem
 from tyrefrf.solvers.modal_loss import modal_loss
 from tyrefrf.solvers.modes import OrderModes, Pencils, cutoff_for, lowest, modes_below
 from tyrefrf.solvers.own_moduli import RelaxingOrders, own_modes_below
 from tyrefrf.study.local import pinned
+from tyrefrf.study.memory import check_fits, need_of_modes
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.run import provenance_of, sizes, static_state
 
@@ -75,9 +77,16 @@ def modes_of_case(
         at = 0.0
     omega, top = (None if hertz is None else 2.0 * np.pi * hertz for hertz in (at, below))
     wanted = None if top is not None else count or COUNT
+    check_fits(need_of_modes(model.problem, wanted or modes_under(model.problem, top, omega)))
     found = complete(model.problem.cell, model.problem.n_cells, wanted, top, omega)
     numbers = {**sizes(model), "seconds": time.perf_counter() - start}
     return _results(model, found, omega, case_text, numbers)
+
+
+def modes_under(problem: RingProblem, top: float | None, at: float | None) -> int:
+    """How many modes have a frequency below the top [rad/s]."""
+    assert top is not None  # there is no count
+    return Pencils(problem.cell, problem.n_cells, top if at is None else at).count_below(top)
 
 
 def _relaxes(stuff: object) -> bool:

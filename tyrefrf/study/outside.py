@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tyrefrf.case import Case, CellFile, MeshFile, SectionFile, files_of, load_case
-from tyrefrf.errors import CaseError, Problem
+from tyrefrf.errors import CaseError, MeshError, Problem
 from tyrefrf.fem.constitutive import constitutive
 from tyrefrf.fem.elements import ELEMENTS
 from tyrefrf.mesh.cell import CellMesh, revolve
@@ -18,6 +18,7 @@ from tyrefrf.mesh.outside import OutsideMesh
 from tyrefrf.mesh.outside_cell import outside_cell
 from tyrefrf.mesh.outside_section import outside_section
 from tyrefrf.mesh.reader import as_said, read_mesh
+from tyrefrf.study.memory import check_fits, need_of_cell, need_of_files
 
 
 def with_mesh(case: Case | str | Path, mesh: Any) -> Case:
@@ -40,18 +41,29 @@ def with_mesh(case: Case | str | Path, mesh: Any) -> Case:
 def mesh_of_file(case: Case) -> CellMesh:
     """The cell that a case's [mesh] describes.
 
-    Raises CaseError at the key, or MeshError naming the file, where it cannot be made of it.
+    Raises CaseError at the key, where it cannot be made of the file; MeshError of a mesh in memory.
     """
+    try:
+        return _cell_of_file(case)
+    except MeshError as error:
+        if case.held_mesh is not None:
+            raise
+        raise CaseError([Problem(("mesh", "file"), str(error))]) from error
+
+
+def _cell_of_file(case: Case) -> CellMesh:
     source = _source(case)
     outside = _read(case)
     sector_angle = 2.0 * np.pi / case.cell.n_cells
     if isinstance(source, CellFile):
+        check_fits(need_of_cell(case, sum(len(block.numbers) for block in outside.elements)))
         cell = outside_cell(outside, source, sector_angle, _oriented(case))
         _refuse_element(case, cell.bricks.shape[1], cell.bricks.shape[1])
         return cell
     section = outside_section(outside, source, _oriented(case))
     n_nodes = section.quads.shape[1]
     _refuse_element(case, n_nodes, {4: 8, 8: 20}[n_nodes])
+    check_fits(need_of_cell(case, section.n_elements * case.cell.elements_around))
     return revolve(section, sector_angle, case.cell.elements_around)
 
 
@@ -87,9 +99,11 @@ def _source(case: Case) -> SectionFile | CellFile:
 def _read(case: Case) -> OutsideMesh:
     if isinstance(case.held_mesh, OutsideMesh):
         return as_said(case.held_mesh, _source(case))
-    file = next(file for file in files_of(case) if file.key == ("mesh", "file"))
-    file.content()  # so that what is not there is said at the key
-    return read_mesh(file.path, _source(case))
+    files = [file for file in files_of(case) if file.key == ("mesh", "file")]
+    for file in files:
+        file.digest()  # so that what is not there is said at the key
+    check_fits(need_of_files([file.path for file in files]))
+    return read_mesh(files[0].path, _source(case))
 
 
 def _made_of(source: MeshFile, name: str) -> str:

@@ -20,6 +20,7 @@ from tyrefrf.study.certify import certified, plan_certificate
 from tyrefrf.study.choose import decided_model
 from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.local import cores, pinned
+from tyrefrf.study.memory import check_fits, need_of_run
 from tyrefrf.study.model import Model, build_model
 from tyrefrf.study.resume import recorded
 from tyrefrf.study.spectrum import UNRECORDED, Fit, Progress, Record, Spectrum
@@ -65,14 +66,16 @@ def run_case(
     the file as its author wrote it, kept with the results. progress: called with lines just
     finished. record: where lines are kept as they are solved; those that it knows are not solved
     again.
-    Raises CaseError and MeshError for a case that cannot be computed; a line that cannot be
-    solved is NaN in the results, with the reason in `remark`.
+    Raises CaseError and MeshError for a case that cannot be computed, SolveError where memory is
+    too short for it; a line that cannot be solved is NaN in the results, with the reason in
+    `remark`.
     """
     start = time.perf_counter()
     measured = read_measured(case.measured, case.directory)
     frequency = np.array(case.frequency.lines())
     executor = executor_of(jobs or cores(), len(frequency))
     model, expected = decided_model(build_model(case))
+    check_fits(need_of_run(model.case, [model.problem], executor.here))
     numbers = {**sizes(model), **expected}
     blank = results_of(model, frequency, no_line(model, len(frequency)), case_text, numbers)
     record.begin(replace(blank, measured=measured))

@@ -17,6 +17,7 @@ from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.executor import Workers, executor_of
 from tyrefrf.study.local import cores, pinned
+from tyrefrf.study.memory import check_fits, need_of_run
 from tyrefrf.study.model import Model, Workshop
 from tyrefrf.study.resume import check_axes, recorded
 from tyrefrf.study.run import no_line, provenance_of, results_of, resumed_lines, sizes
@@ -74,6 +75,7 @@ def run_sweep(
     base, expected = decided(grid.base, models[0].problem)
     models = [replace(model, case=with_solver(model.case, base.solver.name)) for model in models]
     problems = [model.problem for model in models]
+    check_fits(need_of_run(base, problems, executor.here))
     points = partial(_points, models, frequency, measured, case_text)
     numbers = {"points": len(models), **expected}
     blank = points([no_line(model, len(frequency)) for model in models])
