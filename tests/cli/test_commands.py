@@ -97,7 +97,7 @@ def test_failed_lines_are_named_and_the_run_exits_1(case, monkeypatch, capsys):
     class Refusing(Recursive):
         def field(self, omega):
             if omega > 2 * np.pi * 400:
-                raise SingularError("an undamped resonance lies on this line")
+                raise SingularError("not today")
             return super().field(omega)
 
     monkeypatch.setitem(SOLVERS, "recursive", Refusing)
@@ -107,9 +107,9 @@ def test_failed_lines_are_named_and_the_run_exits_1(case, monkeypatch, capsys):
         main()
     said = capsys.readouterr()
     assert exit_.value.code == 1
-    failed = ["420 Hz: an undamped resonance lies on this line"]
-    assert json.loads(said.out)["failed"] == failed
-    assert failed[0] in said.err
+    (failed,) = json.loads(said.out)["failed"]
+    assert failed.startswith("420 Hz: not today; ")
+    assert failed in said.err
     results = tyrefrf.load_results(case.parent / "results/small/small.h5")
     assert results.failed.tolist() == [False, False, False, True]
 

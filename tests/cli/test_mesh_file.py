@@ -88,7 +88,7 @@ def test_check_says_what_was_read(case, said):
             'element = "hex20"',
             "tyre.toml:28: cell.element: hex20 does not fit",
         ),
-        ('"mm" ', '"m" ', "tyre.toml: "),
+        ('"mm" ', '"m" ', "tyre.toml:10: mesh.file: "),
         ("node = 30 ", "node = 3000 ", "tyre.toml:41: probes[0].node: node 3000 is not in the"),
     ],
 )

@@ -184,7 +184,7 @@ def test_failed_lines_are_named_and_the_sweep_exits_1(sweep, here, monkeypatch):
     class Refusing(Recursive):
         def field(self, omega):
             if omega > 2 * np.pi * 400:
-                raise SingularError("an undamped resonance lies on this line")
+                raise SingularError("not today")
             return super().field(omega)
 
     (here / "small.toml").write_text(NO_PLOTS)
@@ -192,11 +192,11 @@ def test_failed_lines_are_named_and_the_sweep_exits_1(sweep, here, monkeypatch):
     status, out, err = sweep(
         "small.toml", "--param", "E_rubber", "--values", "40e6,80e6", "--jobs", 1, "--json"
     )
-    failed = [
-        f"E_rubber = {E} MPa: 420 Hz: an undamped resonance lies on this line" for E in (40, 80)
-    ]
+    failed = json.loads(out)["failed"]
     assert status == 1
-    assert json.loads(out)["failed"] == failed
+    assert [line.partition("; ")[0] for line in failed] == [
+        f"E_rubber = {E} MPa: 420 Hz: not today" for E in (40, 80)
+    ]
     assert all(line in err for line in failed)
     assert tyrefrf.load_sweep(here / "results/small_sweep/small_sweep.h5").n_failed == 2
 

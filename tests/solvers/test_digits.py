@@ -58,7 +58,7 @@ MADE = {
     "reduced": lambda: tyre("hex20r", 120, 4),
     "walls of 0.1 mm": lambda: with_walls(1e-2),
     "walls of 10 um": lambda: with_walls(1e-3),
-    "walls of 1 um": lambda: with_walls(1e-4),
+    "walls of 1 um": lambda: with_walls(2e-4),
     "steel, 28 MPa": lambda: with_rubber(28e6),
     "steel, 1 kPa": lambda: with_rubber(1e3),
     "steel, 10 Pa": lambda: with_rubber(10.0),

@@ -349,7 +349,7 @@ def test_a_stiffness_of_nothing_leaves_no_answer_at_0_hz_to_correct_with():
     ring = tyre(n_cells=12, elements_along=4)
     nothing = {name: 0.0 * K for name, K in ring.cell.K.items()}
     problem = replace(ring.problem(loads(ring)), cell=replace(ring.cell, K=nothing))
-    with pytest.raises(SingularError, match=r"there is none \(exactly singular"):
+    with pytest.raises(SingularError, match=r"there is none \(.*exactly singular"):
         at_rest_of(problem)
 
 

@@ -63,7 +63,7 @@ class Refusing(Recursive):
 
     def field(self, omega):
         if omega == 2 * np.pi * 40.0:
-            raise SingularError("an undamped resonance lies on this line")
+            raise SingularError("not today")
         return super().field(omega)
 
 
@@ -71,15 +71,15 @@ def test_a_frequency_without_an_answer_leaves_the_others_theirs(monkeypatch):
     monkeypatch.setitem(SOLVERS, "recursive", Refusing)
     found = list(deflected(case_with(), [10.0, 40.0, 70.0]))
     assert [len(line.deflections) for line in found] == [2, 0, 2]
-    assert [line.failure for line in found] == [
-        "", "40 Hz: an undamped resonance lies on this line", "",
-    ]  # fmt: skip
-    with pytest.raises(SolveError, match="40 Hz: an undamped resonance"):
+    before, why, after = (line.failure for line in found)
+    assert (before, after) == ("", "")
+    assert why.startswith("40 Hz: not today; ")
+    with pytest.raises(SolveError, match="40 Hz: not today; "):
         deflections(case_with(), [40.0])
 
 
 def test_an_untrustworthy_line_is_refused_as_any(monkeypatch):
-    monkeypatch.setattr("tyrefrf.solvers.problem.RESIDUAL_MAX", 1e-30)
+    monkeypatch.setattr("tyrefrf.solvers.lines.RESIDUAL_MAX", 1e-30)
     (line,) = deflected(case_with(), [40.0])
     assert "40 Hz: no trustworthy solution" in line.failure
 

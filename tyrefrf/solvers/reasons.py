@@ -34,8 +34,8 @@ def reason(problem: RingProblem, omega: float) -> str:
     if few:
         return f"too few digits are left: {few[0]}"
     return (
-        "a resonance without damping lies on this line; add a loss factor, fix the rim, or move "
-        "the line"
+        "is a resonance without damping on this line? add a loss factor, fix the rim, or move the "
+        "line"
     )
 
 
