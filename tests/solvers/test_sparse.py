@@ -186,6 +186,19 @@ def test_no_number_of_jobs_is_offered_where_none_fits(monkeypatch):
         check_memory(problem_of(RINGS["homogeneous"]), "superlu", jobs=1)
 
 
+def test_a_ring_whose_entries_do_not_fit_is_not_assembled_to_know_that(monkeypatch):
+    problem = problem_of(RINGS["homogeneous"])
+    needed = memory_needed(problem, "superlu")
+
+    def refuse(problem):
+        raise MemoryError
+
+    monkeypatch.setattr(memory, "ring_matrix", refuse)
+    monkeypatch.setattr(memory, "available_memory", lambda: 1000)
+    monkeypatch.setattr(memory, "resident_now", lambda: 0)
+    assert memory.PROCESS < memory_needed(problem, "superlu") < needed
+
+
 def test_where_the_system_does_not_say_nothing_is_refused(monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: None)
     check_memory(problem_of(RINGS["homogeneous"]), "superlu", jobs=10**9)

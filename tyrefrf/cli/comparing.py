@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from tyrefrf.case import Case
     from tyrefrf.results import Comparison
+    from tyrefrf.study.compare import Cost
 
 HEADER = (
     "solver",
@@ -73,12 +74,12 @@ def compare_to_files(case_file: Path | None, asked: Asked) -> int:
     directory = asked.output or Path("results") / case.name
     with new_target(directory, f"{case.name}_comparison", force=asked.force) as target:
         with in_file(case_file, text):
-            print(cost_text(case, solvers, asked.lines), file=sys.stderr, flush=True)
             comparison = run_comparison(
                 case,
                 solvers,
                 lines=asked.lines,
                 case_text=text,
+                tell=partial(say_costs, case.name, n_lines),
                 watch=lambda solver: progress_of(n_lines, f"{case.name}, {solver}"),
             )
         write_comparison(target, comparison)
@@ -90,23 +91,14 @@ def compare_to_files(case_file: Path | None, asked: Asked) -> int:
     return status_of(facts)
 
 
-def cost_text(case: Case, solvers: Sequence[str], lines: int | None) -> str:
-    """What a comparison is going to take, by solver."""
-    from tyrefrf.case import Inflation
-    from tyrefrf.study.choose import with_solver
-    from tyrefrf.study.compare import with_lines
-    from tyrefrf.study.estimate import estimate
-
-    picked = with_lines(case, lines)
-    # Pressure changes no cost, and a nonlinear one would be found once for every estimate.
-    at_rest = picked.model_copy(update={"inflation": Inflation()})
-    found = {name: estimate(with_solver(at_rest, name), jobs=1) for name in solvers}
+def say_costs(case: str, n_lines: int, costs: Mapping[str, Cost]) -> None:
+    """Say what a comparison is going to take, by solver, before it begins."""
     each = "; ".join(
-        f"{name} {cost.seconds:.0f} s, {cost.memory / 1e6:.0f} MB" for name, cost in found.items()
+        f"{name} {cost.seconds:.0f} s, {cost.memory / 1e6:.0f} MB" for name, cost in costs.items()
     )
-    total = sum(cost.seconds for cost in found.values())
-    n_lines = len(picked.frequency.lines())
-    return f"{case.name}: {n_lines} lines, about {total:.0f} s in all ({each})"
+    total = sum(cost.seconds for cost in costs.values())
+    said = f"{case}: {n_lines} lines, about {total:.0f} s in all ({each})"
+    print(said, file=sys.stderr, flush=True)
 
 
 def comparison_summary(comparison: Comparison, files: Sequence[Path]) -> dict[str, Any]:

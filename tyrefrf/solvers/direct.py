@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tyrefrf.arrays import ComplexArray
+from tyrefrf.arrays import ComplexArray, IntArray
 from tyrefrf.errors import SolveError
 from tyrefrf.solvers import mkl
 from tyrefrf.solvers.pardiso import PardisoSystem
@@ -76,10 +76,21 @@ def check_library(name: str) -> str:
 def ring_matrix(problem: RingProblem) -> Scattered:
     """The ring's matrices on the dofs that move, as sums of the entries of one cell's."""
     cell, N, n_ring = problem.cell, problem.n_cells, problem.n_ring_dofs
-    kept = np.flatnonzero(~(cell.fixed[cell.rows] | cell.fixed[cell.indices]))
+    kept = _kept(problem)
     number = np.cumsum(np.tile(problem.free, N)) - 1
     start = np.arange(N)[:, None] * cell.n_own
     rows, columns = (
         number[(start + dofs[kept]) % n_ring].ravel() for dofs in (cell.rows, cell.indices)
     )
     return Scattered(int(number[-1]) + 1, rows, columns, np.tile(kept, N))
+
+
+def n_entries(problem: RingProblem) -> int:
+    """How many entries of cells `ring_matrix` sums."""
+    return problem.n_cells * len(_kept(problem))
+
+
+def _kept(problem: RingProblem) -> IntArray:
+    """The entries of a cell's matrices between dofs that move."""
+    cell = problem.cell
+    return np.flatnonzero(~(cell.fixed[cell.rows] | cell.fixed[cell.indices]))

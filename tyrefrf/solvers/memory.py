@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from tyrefrf.errors import SolveError
-from tyrefrf.solvers.direct import check_library, ring_matrix
+from tyrefrf.limits import resident_now, room_of_process
+from tyrefrf.solvers.direct import check_library, n_entries, ring_matrix
 from tyrefrf.solvers.pardiso import PardisoSystem
 from tyrefrf.solvers.problem import RingProblem
 from tyrefrf.solvers.sparse import Scattered, factor_entries, minimum_degree
@@ -27,10 +29,15 @@ def memory_needed(problem: RingProblem, library: str = "auto") -> float:
     The factor's entries are counted, not guessed: SuperLU's from the order of elimination,
     PARDISO's by its analysis. Takes less time than a line. Where diagonal pivots fail (lines
     of undamped tyres), SuperLU's second factor is larger: measured 1.03 to 1.5 times on tyres of
-    the paper's size, 2.9 times on a small one. That is not counted.
+    the paper's size, 2.9 times on a small one. That is not counted. Where the ring's entries alone
+    do not fit, nor would they while its factor's are counted: then they are all that is.
     """
+    ring = PROCESS + PER_ENTRY * n_entries(problem) + _fields(problem)
+    available = available_memory()
+    there = min(math.inf if available is None else available, room_of_process())
+    if ring > there + resident_now():
+        return ring
     matrix = ring_matrix(problem)
-    ring = PROCESS + PER_ENTRY * len(matrix.rows) + _fields(problem)
     if check_library(library) == "pardiso":
         return ring + PardisoSystem(matrix).memory
     return ring + PER_FACTOR_ENTRY * _superlu_entries(matrix)

@@ -8,7 +8,7 @@ as in the paper's table 2: on a busy machine wall times would be what others lea
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import partial
@@ -26,6 +26,8 @@ from tyrefrf.results import Comparison, write_results
 from tyrefrf.results.comparison import reference_of
 from tyrefrf.solvers import Field, RingProblem, Solver, answer, field_of, prepare
 from tyrefrf.study.choose import with_solver
+from tyrefrf.study.estimate import memory_of_run, seconds_of_run
+from tyrefrf.study.local import pinned
 from tyrefrf.study.machine import blas, machine
 from tyrefrf.study.memory import check_fits, need_of_comparison
 from tyrefrf.study.model import Model, build_model
@@ -40,6 +42,14 @@ DEFAULT = ("recursive", "cyclic", "direct")
 
 Watch = Callable[[str], AbstractContextManager[Progress]]
 """Called with a solver's name before it starts; gives what to call with lines just finished."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a solver is expected to take: wall time [s], and memory of all processes [bytes]."""
+
+    seconds: float
+    memory: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,10 +93,12 @@ def run_comparison(
     *,
     lines: int | None = None,
     case_text: str = "",
+    tell: Callable[[Mapping[str, Cost]], None] = lambda costs: None,
     watch: Watch = lambda solver: nullcontext(lambda n_lines: None),
 ) -> Comparison:
     """Solve the same lines by every solver, one after another.
 
+    tell: called with what each is expected to take, before the first begins.
     A solver that refuses or whose process dies has no answers; `failure` says why. Raises
     CommandError for solvers that are unknown or named twice, CaseError and MeshError for a case
     that cannot be computed.
@@ -96,6 +108,7 @@ def run_comparison(
     model = build_model(picked[0])
     choices = [each.solver for each in picked]
     check_fits(need_of_comparison(picked[0], model.problem, choices))
+    tell({each.solver.name: _cost(each, model) for each in picked})
     samples = evenly(len(picked[0].frequency.lines()), SECTION_LINES)
     with TemporaryDirectory(prefix="tyrefrf_") as scratch:
         tasks = [Task(each, case_text, samples, Path(scratch)) for each in picked]
@@ -103,6 +116,11 @@ def run_comparison(
         answered = [isinstance(found, Answer) for found in outcomes]
         section_error = _section_errors(tasks, answered)
     return _gathered(model, tuple(cases), outcomes, samples, section_error, case_text)
+
+
+@pinned
+def _cost(case: Case, model: Model) -> Cost:
+    return Cost(seconds_of_run(case, model.problem, 1), memory_of_run(case, model, 1))
 
 
 def known_solvers(names: Sequence[str]) -> tuple[str, ...]:

@@ -99,9 +99,15 @@ def estimate(case: Case, jobs: int) -> Estimate:
         warnings=(*look.warnings, *loose(problem), *too_few_digits(problem)),
         matrices=model.brought.facts if model.brought is not None else (),
         solver=solver.name,
-        seconds=START_UP + len(lines) * line_seconds(solver.name, problem) / jobs,
-        memory=_memory(case, model, jobs),
+        seconds=seconds_of_run(case, problem, jobs),
+        memory=memory_of_run(case, model, jobs),
     )
+
+
+def seconds_of_run(case: Case, problem: RingProblem, jobs: int) -> float:
+    """Wall time [s] of solving all of a case's lines by its solver."""
+    n_lines = len(case.frequency.lines())
+    return START_UP + n_lines * line_seconds(case.solver.name, problem) / jobs
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +204,7 @@ def _small_discs(model: Model, mesh: CellMesh) -> list[str]:
     ]
 
 
-def _memory(case: Case, model: Model, jobs: int) -> float:
+def memory_of_run(case: Case, model: Model, jobs: int) -> float:
     """Bytes that all processes take together, at their peak: assembling the cell, or solving."""
     assembled = need_of_cell(case, len(getattr(model.mesh, "bricks", ())))
     return max(assembled.total, need_of_run(case, [model.problem], jobs).total)

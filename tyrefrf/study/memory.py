@@ -108,7 +108,7 @@ def check_fits(need: Need) -> None:
 
 def _refusal(need: Need, needed: float, there: float, words: str) -> str:
     """What is needed, what is there, and what takes less."""
-    each = f" ({_gigabytes(need.of_worker)} for each of {need.jobs} jobs)" if need.jobs else ""
+    each = f" ({_gigabytes(need.of_worker)} for each of {need.jobs} jobs)" if need.jobs > 1 else ""
     fits = int((there - need.of_main) // need.of_worker) if need.jobs else 0
     fewer = f"--jobs {fits} would fit; " if 0 < fits < need.jobs else ""
     largest = need.largest
