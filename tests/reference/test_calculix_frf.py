@@ -35,7 +35,7 @@ from tyrefrf.fem.elements import ELEMENTS
 pytestmark = needs_reference
 
 ETA = 0.1
-PRINTED = 1e-6  # asked by the issue; 6e-10 is reached
+PRINTED = 1e-6  # 6e-10 is reached
 TO_3_KHZ = 1e-8  # of a node's own displacement, even 1e-4 of the driving point's
 LINES = np.linspace(200.0, 3000.0, 15)  # [Hz]
 

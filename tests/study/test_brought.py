@@ -16,7 +16,7 @@ from tyrefrf.solvers import Cyclic, Direct, Recursive, prepare
 from tyrefrf.solvers.symmetry import shares
 from tyrefrf.study.model import Workshop, build_model
 
-SAME = 1e-9  # of a section's displacement: the measure; 14 digits leave up to 1e-11
+SAME = 1e-9  # of a section's displacement; 14 digits leave up to 1e-11
 LINES = omegas(0.0, 60.0, 700.0)
 EXACT = {"recursive": Recursive, "cyclic": Cyclic, "direct": Direct}
 
