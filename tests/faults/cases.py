@@ -28,6 +28,8 @@ from hypothesis import HealthCheck, Phase, Verbosity, given, seed, settings
 from .outcome import ELSE, HANG, KINDS, TRACEBACK, Outcome, Sandbox
 from .spoil import ALL, Spoilt, spoilt
 
+CPU_LIMIT = 60.0
+"""Seconds that a case may compute."""
 MEMORY = 6 << 30
 """Bytes of address space that a worker may take."""
 WAITS = 10.0
@@ -120,6 +122,7 @@ class Worker:
 def _work(pipe) -> None:
     import resource
 
+    os.dup2(2, 1)  # what the table is printed to
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     with tempfile.TemporaryDirectory() as scratch:
         sandbox = Sandbox(Path(scratch))
@@ -181,7 +184,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.faults.cases", description=__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--limit", type=float, default=60.0, help="CPU seconds for a case")
+    parser.add_argument("--limit", type=float, default=CPU_LIMIT, help="CPU seconds for a case")
     parser.add_argument("--keep", type=Path, help="directory for cases with another outcome")
     parser.add_argument("--json", action="store_true")
     asked = parser.parse_args()

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import gzip
-import json
 import os
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +12,7 @@ from pathlib import Path
 import h5py
 
 from ..small import TEXT, text_with
+from .cases import CPU_LIMIT, tried
 from .rows import NOTHING, Row
 from .starved import command, contents, plain
 
@@ -131,20 +130,11 @@ def of_file(fault: str, files: list[bytes]) -> Row:
 
 def generated(count: int, seed: int) -> Iterator[Row]:
     """A row for every kind of spoilt case, drawn at random."""
-    kept = str(ROOT / "build/faults/cases")
-    asked = ["--count", str(count), "--seed", str(seed), "--keep", kept, "--json"]
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.faults.cases", *asked],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    for kind in json.loads(done.stdout)["kinds"]:
-        seen = ", ".join(f"{what}: {n}" for what, n in kind["outcomes"].items())
-        lost = f"{kind['anything_else']} with anything else" if kind["anything_else"] else NOTHING
-        fault = f"generated cases: {kind['kind']}"
-        yield Row(PART, fault, kind["generated"], lost, f"{seen}; slowest {kind['slowest']:.0f} s")
+    for row in tried(count, seed, CPU_LIMIT, ROOT / "build/faults/cases"):
+        seen = ", ".join(f"{what}: {n}" for what, n in row.outcomes.items())
+        lost = f"{row.other} with anything else" if row.other else NOTHING
+        fault = f"generated cases: {row.kind}"
+        yield Row(PART, fault, row.generated, lost, f"{seen}; slowest {row.slowest:.0f} s")
 
 
 def rows(count: int, seed: int) -> Iterator[Row]:
