@@ -6,6 +6,8 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from concurrent.futures import Future
 from dataclasses import replace
 from functools import partial
@@ -108,6 +110,17 @@ def test_processes_that_nobody_waits_for_are_killed():
     results.close()
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
+
+
+def test_tasks_that_wait_are_no_error_where_the_processes_are_killed(monkeypatch):
+    said = []
+    monkeypatch.setattr(threading, "excepthook", lambda error: said.append(error.exc_value))
+    for _ in range(4):
+        workers = Local(2)
+        for _ in range(400):
+            workers._submit(time.sleep, 0.0)
+        workers.stop()
+    assert said == []
 
 
 @pytest.mark.parametrize("workers", [1, 2])

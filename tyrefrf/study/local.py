@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import queue
 import re
 import tempfile
 import threading
@@ -158,6 +159,7 @@ class Local:
     def stop(self) -> None:
         """The processes are killed; new ones come where there is more to do."""
         if self._processes is not None:
+            _forget_waiting(self._processes)
             self._processes.shutdown(kill_workers=True)
             self._processes = None
 
@@ -185,6 +187,17 @@ def _processes(jobs: int) -> Any:
 
     begin = partial(_begin, os.getpid())
     return ProcessPoolExecutor(jobs, timeout=IDLE, initializer=begin, env=ONE_THREAD)
+
+
+def _forget_waiting(processes: Any) -> None:
+    """Take back the tasks that no process has begun, before the processes are killed.
+
+    Loky throws them away, then looks for them, and its thread dies of a KeyError that is printed
+    (joblib 1.6).
+    """
+    with suppress(queue.Empty):
+        while True:
+            processes._work_ids.get_nowait()
 
 
 def _begin(parent: int) -> None:
