@@ -286,3 +286,12 @@ def test_run_reports_the_inflation_and_how_it_converged(case):
     facts = json.loads(tyrefrf_command("info", "out/small.h5", "--json", cwd=case.parent).stdout)
     assert facts["inflation"]["pressure"] == 1e5
     assert facts["inflation"]["resultant"][0] > 0.0
+    assert 0.0 < facts["inflation_strain"] < 0.15
+    assert facts["remarks"] == []
+
+
+def test_a_linear_inflation_with_large_strains_is_remarked(case):
+    case.write_text(text_with(("[cell]", '[inflation]\npressure = "30 bar"\n\n[cell]')))
+    done = tyrefrf_command("run", case, "--jobs", 1, cwd=case.parent)
+    assert "  remark    the linear inflation strains the tyre by up to " in done.stdout
+    assert done.returncode == 0

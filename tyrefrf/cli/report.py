@@ -30,6 +30,8 @@ def as_json(data: object) -> str:
 
 def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
     """The facts of a run that a script wants to know."""
+    from tyrefrf.study.inflate import strained
+
     origin = results.provenance
     solved = results.solved
     return {
@@ -57,11 +59,14 @@ def summary(results: Results, files: Sequence[Path]) -> dict[str, Any]:
             remark for remark, failed in zip(results.remark, results.failed, strict=True) if failed
         ],
         "remarks": [
-            f"{frequency:.6g} Hz: {remark}"
-            for frequency, remark, failed in zip(
-                results.frequency, results.remark, results.failed, strict=True
-            )
-            if remark and not failed and remark != MISSING
+            *strained(origin.numbers.get("inflation_strain", np.nan)),
+            *(
+                f"{frequency:.6g} Hz: {remark}"
+                for frequency, remark, failed in zip(
+                    results.frequency, results.remark, results.failed, strict=True
+                )
+                if remark and not failed and remark != MISSING
+            ),
         ],
         "files": [str(path) for path in files],
     }

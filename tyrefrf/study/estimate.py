@@ -135,7 +135,7 @@ def _elements(case: Case, model: Model, top: float) -> _Look:
         warnings=(
             *_coarse(case, resolution),
             *_small_discs(model, mesh),
-            *strained(model.inflation),
+            *strained(model.inflation.strain if model.inflation else np.nan),
         ),
     )
 

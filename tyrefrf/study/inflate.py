@@ -68,12 +68,12 @@ def _check_stable(case: Case, about: CellMatrices, stiffness: str) -> None:
     )
 
 
-def strained(state: Inflation | None) -> tuple[str, ...]:
-    """A warning where strains that are taken as small are not."""
-    if state is None or not state.strain > SMALL:
+def strained(strain: float) -> tuple[str, ...]:
+    """A warning where strains that are taken as small are not; strain: the largest, or NaN."""
+    if not strain > SMALL:
         return ()
     return (
-        f"the linear inflation strains the tyre by up to {100.0 * state.strain:.0f} %, and leaves "
+        f"the linear inflation strains the tyre by up to {100.0 * strain:.0f} %, and leaves "
         "out what is of the strain's square; lower inflation.pressure, stiffen the tyre, or let "
         'inflation.kind = "nonlinear" (hex20, hex20r)',
     )

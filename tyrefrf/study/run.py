@@ -98,8 +98,10 @@ def resumed_lines(record: Record) -> dict[str, float | int]:
 
 
 def sizes(model: Model) -> dict[str, float | int]:
-    """How large a model is."""
+    """How large a model is, and how far a linear inflation strains it."""
+    strain = model.inflation.strain if model.inflation else np.nan
     return {
+        **({} if np.isnan(strain) else {"inflation_strain": strain}),
         "section_nodes": model.mesh.n_face,
         "cell_nodes": model.mesh.n_nodes,
         "ring_nodes": model.mesh.n_own * model.case.cell.n_cells,
