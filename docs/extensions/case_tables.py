@@ -76,7 +76,8 @@ def section(model: Model, places: list[str]) -> Lines:
     """A table's section: where it stands, what it is, its keys."""
     kind = _kind(model)
     title = "Keys of the case itself" if model is Case else f"`{_header(places[0])}`"
-    also = ", ".join(f"`{_header(place)}`" for place in places[1:])
+    headers = dict.fromkeys(f"`{_header(place)}`" for place in places)
+    also = ", ".join(list(headers)[1:])
     first = [f'With `kind = "{kind}"`.'] if kind else []
     first += [f"Also {also}."] if also else []
     words = plain(" ".join([*first, *(model.__doc__ or "").split()]))

@@ -131,8 +131,8 @@ def run(
     Writes DIR/<case name>.h5 and DIR/plots/, and prints a summary with the proof of every line:
     its residual, passivity and reciprocity. A line whose process is killed is tried once more; what
     kills it again is a failed line, and the others are kept. Exits 0 when every line has its
-    answer and proof, 1 when some have not, 2 when the case is wrong, 130 or 143 when it is
-    interrupted by Ctrl-C or by SIGTERM.
+    answer and proof, 1 when some have not, 2 when the case is wrong, 129, 130 or 143 when it is
+    ended by SIGHUP, Ctrl-C or SIGTERM.
 
     Every line is in DIR/<case name>.journal as soon as it is solved: whatever ends the run, even
     kill -9, --resume computes only the rest, and info and plot show what is there so far. It starts
@@ -339,8 +339,8 @@ def modes(
     material. None is missing: their number is held against a count by inertia at every order.
     A ring of N cells knows the number n of nodal diameters only modulo N: order h stands for
     n = h, N - h, N + h, and so on. Writes DIR/<case name>_modes.h5 and DIR/plots/, and prints the
-    lowest modes. Exits 0, 1 when the tyre has buckled or the count is not met, 2 when the case is
-    wrong.
+    lowest modes. Exits 0, 1 when the count is not met, 2 when the case is wrong or the tyre
+    buckles under its pressure.
 
     For example:
 
@@ -527,9 +527,10 @@ def export(
 
     Beside RESULTS and named after it: NAME.uff, a universal file with a dataset 58 for every
     response, geometry and SI units, for modal software; NAME.csv, the lines, and NAME_bands.csv,
-    one-third-octave bands as rms and level; NAME.mat, all of it. A region of the case (a probe of
-    kind "region") has its mean square over the area in all but the universal file. Of a sweep, the
-    tables have the parameters as columns, and every point is a universal file of its own.
+    one-third-octave bands as rms and level; NAME.mat, all of it. Where --quantity
+    is another than mobility, NAME ends with it. A region of the case (a probe of kind "region") has
+    its mean square over the area in all but the universal file. Of a sweep, the tables have the
+    parameters as columns, and every point is a universal file of its own.
     The results file itself opens in xarray (engine h5netcdf) and in MATLAB (h5read).
 
     vtk writes fields/*.vtkhdf (a period in phases, ParaView 5.12) and fields/*.vtu. A file of modes

@@ -113,7 +113,7 @@ def describe_modes(facts: dict[str, Any]) -> str:
         "",
         f"  time      {facts['seconds']:.1f} s",
         f"  residual  {number_text(facts['largest_residual'])} at most, "
-        "||K phi - omega^2 M phi|| / ||omega^2 M phi||",
+        "||K phi - omega^2 M phi|| / ||(omega^2 + shift) M phi||",
         *(f"  wrote     {path}" for path in facts["files"]),
     ]
     return "\n".join(lines)

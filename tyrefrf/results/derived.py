@@ -167,7 +167,9 @@ def in_bands(
 ) -> tuple[Bands, FloatArray]:
     """One-third octaves, and the mean squares (..., b) of a response in them.
 
-    probe: the name of a probe or of a region. Raises ResultsError for an unknown name.
+    probe: the name of a probe or of a region.
+
+    Raises ResultsError for an unknown name.
     """
     bands = bands_of(results.frequency)
     if probe in regions_of(results.probes):

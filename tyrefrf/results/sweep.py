@@ -106,7 +106,7 @@ class SweepResults:
 
     @property
     def solved(self) -> BoolArray:
-        """(..., f) false where a line failed or was fitted."""
+        """(..., f) false where a line failed, was fitted or is missing."""
         return self.stacked(lambda point: point.solved)
 
     @property

@@ -18,7 +18,7 @@ from tyrefrf.solvers.sensors import Sensors
 
 RESIDUAL_MAX = 1e-6
 """A line's residual above which it counts as unsolved. Damped tyres stay below 4e-9 (steel belt;
-homogeneous: 4e-13), an undamped resonance of the ring on the line gives 0.02 to 3."""
+homogeneous: 1e-12), an undamped resonance of the ring on the line gives 0.02 to 3."""
 
 SOFTNESS = (2e-9, 2e-8, 2e-7)
 """omega_r^2 of a mode over the largest diagonal of K over M: steps in which the least is known."""

@@ -35,7 +35,7 @@ SAME = ("tyrefrf", "numpy", "scipy")  # packages whose versions decide results
 
 @contextmanager
 def cluster(address: str) -> Iterator[Cluster]:
-    """The workers of the scheduler at an address ("tcp://host:8786"), or of its file.
+    """The workers of the scheduler at an address (``tcp://host:8786``), or of its file.
 
     For `jobs` of `run`, `sweep` and `dispersion`. Raises CommandError if there is nobody, or
     somebody with other versions of what computes.

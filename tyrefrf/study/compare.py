@@ -79,7 +79,9 @@ def compare(
     """Compare solvers at a case's lines: `tyrefrf.compare("case.toml", ["cyclic", "direct"])`.
 
     solvers: by name, each once; the one that the case itself names keeps its options. lines: so
-    many of the case's, evenly picked; all by default. Raises as `run_comparison`.
+    many of the case's, evenly picked; all by default.
+
+    Raises as `run_comparison`.
     """
     if isinstance(case, Case):
         return run_comparison(case, solvers, lines=lines)

@@ -60,8 +60,10 @@ def dispersion_of(
     """All free waves that decay by at most `decay` [dB/rad], and the branches they form.
 
     lines: so many frequencies, evenly spread over the case's range, 0 Hz left out. at_rest:
-    without the case's pressure. jobs, case_text, progress, errors: as `run_case`. A line whose
-    waves cannot be proved to be all is NaN, with the reason in `remark`.
+    without the case's pressure. jobs, case_text, progress: as `run_case`.
+
+    A line whose waves cannot be proved to be all is NaN, with the reason in `remark`. Raises as
+    `run_case`.
     """
     start = time.perf_counter()
     if at_rest:
