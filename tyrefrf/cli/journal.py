@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tyrefrf.cli.interrupt import Interrupted
-from tyrefrf.errors import CommandError, TyreFRFError
+from tyrefrf.errors import CommandError, ResultsError, TyreFRFError
 
 if TYPE_CHECKING:
     from tyrefrf.case import Case
@@ -22,14 +22,13 @@ def take_up(target: Path, case: Case, kind: type[Responses]) -> tuple[Case, Left
     kind: of the results. Raises CommandError where that run was of another case or kind.
     """
     from tyrefrf.results.reader import left_by
-    from tyrefrf.study.resume import resumed
+    from tyrefrf.study.resume import check_kind, resumed
 
     left = left_by(target)
     if left is None:
         return case, None
     with as_another(target):
-        if not isinstance(left.results, kind):
-            raise CommandError("holds results of another command")
+        check_kind(left, kind)
         return resumed(case, left), left
 
 
@@ -64,7 +63,7 @@ def journalled(target: Path, left: Left | None) -> Iterator[Journal]:
             yield journal
         except Interrupted as interrupt:
             journal.close()
-            raise Interrupted(interrupt.number, _kept(target, journal.path)) from None
+            raise Interrupted(interrupt.number, _kept(target, journal)) from None
         except (TyreFRFError, OSError, MemoryError) as error:
             journal.close()
             if journal.path.exists():
@@ -75,40 +74,56 @@ def journalled(target: Path, left: Left | None) -> Iterator[Journal]:
 @contextmanager
 def beside_results(target: Path) -> Iterator[None]:
     """Say of what fails after the results are written that they are not touched by it."""
-    words = f"{target} is complete; tyrefrf plot {target} draws it again"
     try:
         yield
     except Interrupted as interrupt:
-        raise Interrupted(interrupt.number, words) from None
+        raise Interrupted(interrupt.number, _complete(target)) from None
     except (TyreFRFError, OSError, MemoryError) as error:
-        error.add_note(words)
+        error.add_note(_complete(target))
         raise
 
 
-def _kept(target: Path, journal: Path) -> str:
+def _complete(target: Path) -> str:
+    return f"{target} is complete; tyrefrf plot {target} draws it again"
+
+
+def _kept(target: Path, journal: Journal) -> str:
     """Write what is there so far, if nothing is lost by it; where it is, in words."""
     from tyrefrf.results.left import read_journal
     from tyrefrf.results.writer import write_results
 
-    if not journal.exists():
+    if journal.is_over:
+        return _complete(target)
+    if not journal.path.exists():
         return "no line was solved"
-    if not _may_be_replaced(target):
-        return _in_journal(journal)
-    left = read_journal(journal)
-    write_results(target, left.results)
+    left = read_journal(journal.path)
+    if not left.lines:
+        journal.path.unlink()
+        return "no line was solved"
+    if not _may_be_replaced(target, left):
+        return _in_journal(journal.path)
+    try:
+        write_results(target, left.results)
+    except ResultsError as error:
+        return f"{error}\n{_in_journal(journal.path)}"
     return f"{target} holds {left.n_there} of {left.n_lines} lines; --resume computes the rest"
 
 
-def _may_be_replaced(target: Path) -> bool:
-    from tyrefrf.results.reader import load_any
+def _may_be_replaced(target: Path, left: Left) -> bool:
+    """Whether nothing is there but fewer lines of the same results."""
+    from tyrefrf.results.reader import load_file
 
     if not target.exists():
         return True
     try:
-        there = load_any(target)
+        there = load_file(target)
     except TyreFRFError:
         return False
-    return bool(getattr(there, "n_missing", 0))
+    return (
+        isinstance(there, type(left.results))
+        and there.provenance.case_hash == left.results.provenance.case_hash
+        and there.n_missing >= left.results.n_missing > 0
+    )
 
 
 def _in_journal(journal: Path) -> str:

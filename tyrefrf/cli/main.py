@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Optional
@@ -631,6 +632,9 @@ def main() -> None:
     """
     for variable, one in ONE_THREAD.items():
         os.environ.setdefault(variable, one)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed, as by 2>&-: print would take the other for it
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # names may have letters that the terminal has not
             stream.reconfigure(errors="backslashreplace")
@@ -664,7 +668,8 @@ def _refuse_little_memory() -> None:
 
 def _fail(error: BaseException, status: int) -> None:
     """Say on stderr what went wrong, and what it leaves, and exit."""
-    print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
+    with suppress(OSError):  # a terminal that is closed, a log without room
+        print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
     sys.exit(status)
 
 

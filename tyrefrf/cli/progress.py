@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 SECONDS_BETWEEN_LINES = 5.0
 
@@ -14,7 +14,8 @@ SECONDS_BETWEEN_LINES = 5.0
 def progress_of(n_lines: int, what: str, there: int = 0) -> Iterator[Callable[[int], None]]:
     """Give a function to call with the number of frequency lines just finished.
 
-    there: how many were finished before.
+    there: how many were finished before. A terminal that is closed, or a log without room, shows
+    nothing more, and ends nothing.
     """
     if sys.stderr.isatty():
         with _bar(n_lines, what, there) as advance:
@@ -45,7 +46,10 @@ def _bar(n_lines: int, what: str, there: int) -> Iterator[Callable[[int], None]]
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    bar = Progress(*columns, console=Console(stderr=True))
+    with suppress(OSError):
+        bar.start()
+    try:
         task = bar.add_task(what, total=n_lines, completed=there, rate="")
         start = time.perf_counter()
 
@@ -55,6 +59,9 @@ def _bar(n_lines: int, what: str, there: int) -> Iterator[Callable[[int], None]]
             bar.update(task, advance=n, rate=f"{rate:.1f} lines/s")
 
         yield advance
+    finally:
+        with suppress(OSError):
+            bar.stop()
 
 
 class _Log:
@@ -71,9 +78,7 @@ class _Log:
             return
         self.last = now
         rate = (self.done - self.there) / (now - self.start)
-        left = (self.n_lines - self.done) / rate
-        print(
-            f"{self.what}: {self.done}/{self.n_lines} lines, {rate:.1f} lines/s, {left:.0f} s left",
-            file=sys.stderr,
-            flush=True,
-        )
+        left = (self.n_lines - self.done) / rate if rate else 0.0
+        words = f"{self.done}/{self.n_lines} lines, {rate:.1f} lines/s, {left:.0f} s left"
+        with suppress(OSError):
+            print(f"{self.what}: {words}", file=sys.stderr, flush=True)

@@ -8,13 +8,15 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
 from tyrefrf.case import Case, Solver, builtin_text, parse_case, read_text, with_lines
 from tyrefrf.cli.target import new_target
 from tyrefrf.errors import CaseError, CommandError, MeshError
+
+Raised = TypeVar("Raised", bound=BaseException)
 
 if TYPE_CHECKING:
     from tyrefrf.results import Results
@@ -58,12 +60,15 @@ def run_to_files(
                 _warn_of_matrices(case)
                 results = _solved(case, text, target, workers, resume=resume, certify=certify)
         with beside_results(target):
+            if case.output.deflections:
+                _refuse_other_files(case, results)
             drawn = draw_plots(results, target.parent / "plots", formats or case.output.plots)
             drawn += exported(results, target, case.output.export)
             fields = deflections_to_files(case, text, target.parent, formats or case.output.plots)
     facts = summary(results, [target, *drawn, *fields.files])
     facts |= {"deflections": fields.facts, "seconds": time.perf_counter() - start}
-    typer.echo(as_json(facts) if json else describe_run(facts))
+    with beside_results(target):
+        typer.echo(as_json(facts) if json else describe_run(facts))
     return status_of(facts)
 
 
@@ -71,7 +76,7 @@ def _solved(
     case: Case, text: str, target: Path, workers: Executor, *, resume: bool, certify: bool
 ) -> Results:
     """The results of a case, in their file; what an earlier run has solved is not solved again."""
-    from tyrefrf.cli.journal import is_done, journalled, take_up
+    from tyrefrf.cli.journal import beside_results, is_done, journalled, take_up
     from tyrefrf.cli.progress import progress_of
     from tyrefrf.results import Results, write_results
     from tyrefrf.study.run import run_case
@@ -92,9 +97,20 @@ def _solved(
             journal.remove()
     assert isinstance(results, Results)  # `take_up` saw to it
     if certify and results.certificate is None:
-        results = _certified(case, results, workers)
-        write_results(target, results)
+        with beside_results(target):
+            _refuse_other_files(case, results)
+            results = _certified(case, results, workers)
+            write_results(target, results)
     return results
+
+
+def _refuse_other_files(case: Case, results: Results) -> None:
+    """Raise CommandError where files that the case names are not those that were computed with."""
+    from tyrefrf.cli.exporting_fields import refuse_other_files
+    from tyrefrf.study.choose import with_solver
+
+    origin = results.provenance
+    refuse_other_files(with_solver(case, origin.solver), origin.case_hash)
 
 
 @contextmanager
@@ -182,9 +198,16 @@ def in_file(case_file: Path | None, text: str) -> Iterator[None]:
     try:
         yield
     except CaseError as error:
-        raise with_lines(error, text, _called(case_file)) from None
+        raise with_notes(with_lines(error, text, _called(case_file)), error) from None
     except MeshError as error:
-        raise MeshError(f"{_called(case_file)}: {error}") from error
+        raise with_notes(MeshError(f"{_called(case_file)}: {error}"), error) from error
+
+
+def with_notes(error: Raised, first: BaseException) -> Raised:
+    """The error, with the notes of the one that it stands for."""
+    for note in getattr(first, "__notes__", ()):
+        error.add_note(note)
+    return error
 
 
 def _called(case_file: Path | None) -> str:

@@ -138,8 +138,10 @@ def _of_sweep(case_file: Path | None, text: str) -> Iterator[None]:
         yield
     except CaseError as error:
         from tyrefrf.case import in_sweep
+        from tyrefrf.cli.running import with_notes
 
-        raise in_sweep(error, text, f"sweep of {case_file or 'built-in tyre'}") from None
+        called = f"sweep of {case_file or 'built-in tyre'}"
+        raise with_notes(in_sweep(error, text, called), error) from None
 
 
 def parameters_of(given: Given) -> dict[str, Values | None]:

@@ -28,8 +28,11 @@ def new_target(
         raise CommandError("--resume goes on with what is there, --force replaces it; give one")
     directory = output or Path("results") / name
     target = directory / f"{name}.h5"
-    if not force and not resume:
-        _refuse_what_is_there(target, or_resumed=resume is not None)
+    may_replace = force or bool(resume)
+    if not may_replace:
+        _refuse_a_file(target, or_resumed=resume is not None)
+    if target.is_dir():
+        raise CommandError(f"{target} is a directory; --output DIR writes somewhere else")
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -37,6 +40,9 @@ def new_target(
         raise ResultsError(message) from error
     try:
         with only_writer(target):
+            if not may_replace:  # by now, who has written there has ended
+                _refuse_a_file(target, or_resumed=resume is not None)
+                _refuse_a_journal(target)
             for path in (target, journal_of(target)):
                 remove_leftovers(path)
             yield target
@@ -44,15 +50,18 @@ def new_target(
         raise CommandError(f"{error}; wait for it, or --output DIR writes somewhere else") from None
 
 
-def _refuse_what_is_there(target: Path, *, or_resumed: bool) -> None:
-    from tyrefrf.results.journal import journal_of
-    from tyrefrf.results.left import read_journal
-
+def _refuse_a_file(target: Path, *, or_resumed: bool) -> None:
     if target.exists():
         raise CommandError(
             f"{target} exists; {'--resume computes what it lacks, ' * or_resumed}--force replaces "
             "it, --output DIR writes somewhere else"
         )
+
+
+def _refuse_a_journal(target: Path) -> None:
+    from tyrefrf.results.journal import journal_of
+    from tyrefrf.results.left import read_journal
+
     journal = journal_of(target)
     if journal.exists():
         left = read_journal(journal)

@@ -86,7 +86,7 @@ def open_file(path: Path, image: bytes | None = None) -> Iterator[Any]:
     """
     import h5py
 
-    if not path.is_file():
+    if image is None and not path.is_file():
         raise ResultsError(f"{path}: no such file")
     if image is None:
         check_seal(path)

@@ -27,7 +27,8 @@ from tyrefrf.solvers import Line, TimedLine
 
 ENDING = ".journal"
 
-MAGIC = b"tyrefrf journal 1\n"
+NAME = b"tyrefrf journal "
+MAGIC = NAME + b"1\n"
 """How a journal begins; another number where an older program would misread it."""
 
 SECONDS_TO_DISK = 1.0
@@ -46,13 +47,15 @@ def journal_of(target: Path) -> Path:
 class Journal:
     """The journal of a run under way.
 
-    path: of the file. known: lines that are solved already.
+    path: of the file. known: lines that are solved already. is_over: whether all that was in it is
+    in the results file.
     """
 
     def __init__(self, path: Path, known: Iterable[TimedLine] = ()) -> None:
         self.path = path
         self.known = {line.place: line for line in known}
         self.n_lines = len(self.known)
+        self.is_over = False
         self._file: IO[bytes] | None = None
         self._size = 0
         self._synchronised = 0.0
@@ -79,14 +82,15 @@ class Journal:
         """Add lines just solved. Raises ResultsError where there is no room for them."""
         assert self._file is not None  # begun
         records = b"".join(_head(line) + line for line in map(_packed, lines))
+        self.n_lines += len(lines)
         try:
             self._write(self._file, records)
         except OSError as error:
+            self.n_lines -= len(lines)
             with suppress(OSError):  # what is there of it does not count anyway
                 self._file.truncate(self._size)
             raise unwritable(self.path, error) from error
         self._size += len(records)
-        self.n_lines += len(lines)
 
     def _write(self, file: IO[bytes], records: bytes) -> None:
         left = memoryview(records)
@@ -113,6 +117,7 @@ class Journal:
 
     def remove(self) -> None:
         """All that was in it is in the results file."""
+        self.is_over = self.n_lines > 0
         self.path.unlink(missing_ok=True)
 
 
@@ -128,8 +133,8 @@ def records_of(path: Path) -> Iterator[bytes]:
             while len(head := file.read(_RECORD.size)) == _RECORD.size:
                 length, checksum = _RECORD.unpack(head)
                 record = file.read(length) if length <= size else b""
-                if len(record) != length or zlib.crc32(record) != checksum:
-                    return
+                if not length or len(record) != length or zlib.crc32(record) != checksum:
+                    return  # zeros, which a power cut may leave, are a length of 0 with its CRC
                 yield record
     except OSError as error:
         raise ResultsError(f"{path}: cannot be read: {error.strerror or error}") from error
@@ -138,11 +143,11 @@ def records_of(path: Path) -> Iterator[bytes]:
 def _check_begin(path: Path, begin: bytes) -> None:
     if begin == MAGIC:
         return
-    if begin.startswith(MAGIC.split()[0]):
+    if begin.startswith(NAME) and begin.endswith(b"\n"):
         raise ResultsError(
             f"{path}: a journal of a newer tyrefrf; go on with that, or --force begins anew"
         )
-    raise ResultsError(f"{path}: not a journal of tyrefrf")
+    raise ResultsError(f"{path}: not a journal of tyrefrf, or cut off; --force begins anew")
 
 
 def line_of(record: bytes, n_loads: int) -> TimedLine:

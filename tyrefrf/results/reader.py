@@ -82,6 +82,11 @@ def load_any(path: str | Path) -> Content:
     return _read(Path(path))[1]
 
 
+def load_file(path: Path) -> Content:
+    """Read what a results file itself holds. Raises ResultsError as `load_results`."""
+    return _read_file(path)[1]
+
+
 def left_by(target: Path) -> Left | None:
     """What an earlier run of the same results file has left; None where there is nothing.
 
@@ -110,7 +115,11 @@ def _read(path: Path) -> tuple[str, Content]:
     """What a file holds; what its run has added since to the journal, where it is not complete."""
     journal = path if path.suffix == ENDING else journal_of(path)
     if path == journal or (journal.is_file() and not path.exists()):
-        return _so_far(read_journal(journal).results)
+        try:
+            return _so_far(read_journal(journal).results)
+        except ResultsError:
+            if journal.exists() or not path.exists():
+                raise  # else its run has ended meanwhile
     content, found = _read_file(path)
     if journal.is_file() and isinstance(found, Results | SweepResults) and found.n_missing:
         newer = read_journal(journal).results

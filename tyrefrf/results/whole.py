@@ -32,11 +32,22 @@ def whole_file(path: Path, *, make_directory: bool = False) -> Iterator[Path]:
         with temporary.open("rb+") as file:
             os.fsync(file.fileno())
         temporary.replace(path)
+        _synchronise_directory(path.parent)
     except OSError as error:
         raise unwritable(path, error) from error
     finally:
         with suppress(OSError):  # the directory may be gone, or was none
             temporary.unlink(missing_ok=True)
+
+
+def _synchronise_directory(directory: Path) -> None:
+    """Have the new name outlive a power cut, where the system can say so of directories."""
+    with suppress(OSError):
+        number = os.open(directory, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
 
 
 def unwritable(path: Path, error: OSError) -> ResultsError:

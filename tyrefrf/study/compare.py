@@ -172,13 +172,9 @@ def solve_alone(task: Task, say: Say) -> Answer:
     prepared = time.process_time() - start
     spectrum = _spectrum(model.problem, solver, prepared, task, say)
     memory = peak_memory()
-    results = results_of(
-        model,
-        np.array(case.frequency.lines()),
-        spectrum,
-        task.case_text,
-        {**sizes(model), "seconds": time.process_time() - start},
-    )
+    numbers = {**sizes(model), "seconds": time.process_time() - start}
+    origin = provenance_of(case, task.case_text, numbers)
+    results = results_of(model, np.array(case.frequency.lines()), spectrum, origin)
     file = task.scratch / f"{case.solver.name}.h5"
     write_results(file, results)
     disk = file.stat().st_size
@@ -198,7 +194,7 @@ def _spectrum(
         lines.append(answer(problem, keeping if sampled else solver, 2.0 * np.pi * frequency))
         seconds.append(time.process_time() - start)
         if keeping.kept is not None:
-            np.save(_field_file(task, index), keeping.kept.q[:, : problem.cell.n_face])
+            _keep(_field_file(task, index), keeping.kept.q[:, : problem.cell.n_face])
         say(1)
     return Spectrum(
         receptance=np.stack([line.receptance for line in lines], axis=-1),
@@ -207,6 +203,16 @@ def _spectrum(
         remark=tuple(line.remark for line in lines),
         prepare_time=prepared,
     )
+
+
+def _keep(file: Path, sections: ComplexArray) -> None:
+    try:
+        np.save(file, sections)
+    except OSError as error:
+        raise SolveError(
+            f"{file.parent}, for what is compared, cannot be written: {error.strerror or error}; "
+            "TMPDIR names another directory"
+        ) from error
 
 
 class _Keeping:

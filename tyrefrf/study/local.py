@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import queue
 import re
+import signal
 import tempfile
 import threading
 import time
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import lru_cache, partial, wraps
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
@@ -120,26 +121,26 @@ class Local:
 
     def _submit(self, *work: Any) -> Future[Any]:
         """To the processes that there are, or to new ones where one has died."""
-        if self._processes is not None:
-            with suppress(BrokenProcessPool):
-                return self._processes.submit(*work)
-        self._processes = _processes(self.jobs)
-        return self._processes.submit(*work)
+        with _deaf():
+            if self._processes is not None:
+                with suppress(BrokenProcessPool):
+                    return self._processes.submit(*work)
+            self._processes = _processes(self.jobs)
+            return self._processes.submit(*work)
 
     def _file(self, make: Make) -> Path:
         """What `make` needs, written once; there for as long as somebody may want to call it."""
         if make not in self._files:
             import joblib
 
-            path = Path(tempfile.gettempdir()) / f"tyrefrf-{uuid4().hex}"
+            path = _temporary_directory() / f"tyrefrf-{uuid4().hex}"
             _removed_in_any_case(path)
             weakref.finalize(make, _remove, path)
             try:
                 joblib.dump(make, path)
             except OSError as error:
-                raise SolveError(
-                    f"{path}, for the processes, cannot be written: {error.strerror or error}; "
-                    "TMPDIR names another directory, and --jobs 1 does without"
+                raise _without_room(
+                    f"{path}, for the processes, cannot be written", error
                 ) from error
             self._files[make] = path
         return self._files[make]
@@ -162,6 +163,25 @@ class Local:
             _forget_waiting(self._processes)
             self._processes.shutdown(kill_workers=True)
             self._processes = None
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Processes that start meanwhile do not hear the signals that end this one, who ends them.
+
+    Nor does this one, until afterwards. A group of processes gets signals together: Ctrl-C, and
+    the end of a terminal.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(
+        signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    )
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def check_handles(jobs: int) -> None:
@@ -208,10 +228,10 @@ def _begin(parent: int) -> None:
     been imported need not be looked through.
     """
     import gc
-    import signal
 
-    for ends in (signal.SIGINT, signal.SIGTERM):  # the parent's, who keeps what there is, and
-        signal.signal(ends, signal.SIG_IGN)  # then ends this; a group of processes gets them too
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # the parent's, who keeps what there is, and
+        if hasattr(signal, name):  # then ends this; a group of processes gets them too
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     from joblib.externals.loky import process_executor
 
@@ -260,6 +280,20 @@ class _Kept(threading.local):
 
 
 _kept = _Kept()
+
+
+def _temporary_directory() -> Path:
+    try:
+        return Path(tempfile.gettempdir())
+    except OSError as error:
+        raise _without_room("no directory for what processes share", error) from error
+
+
+def _without_room(what: str, error: OSError) -> SolveError:
+    return SolveError(
+        f"{what}: {error.strerror or error}; TMPDIR names another directory, and --jobs 1 does "
+        "without"
+    )
 
 
 def _removed_in_any_case(path: Path) -> None:

@@ -14,7 +14,8 @@ from tyrefrf.case.axis import Axis
 from tyrefrf.errors import CommandError, Key, Problem
 from tyrefrf.results import Provenance, SweepResults
 from tyrefrf.results.journal import Journal
-from tyrefrf.results.left import Left, read_journal
+from tyrefrf.results.left import Left, Responses, read_journal
+from tyrefrf.results.lock import only_writer
 from tyrefrf.study.choose import with_solver
 from tyrefrf.study.spectrum import UNRECORDED, Record
 
@@ -41,6 +42,12 @@ def resumed(case: Case, left: Left) -> Case:
     return case
 
 
+def check_kind(left: Left, kind: type[Responses]) -> None:
+    """Raise CommandError where what was left is of another command."""
+    if not isinstance(left.results, kind):
+        raise CommandError("holds results of another command")
+
+
 def check_axes(now: Sequence[Axis], left: Left) -> None:
     """Raise CommandError where the sweep that left this had other parameters or values."""
     assert isinstance(left.results, SweepResults)
@@ -58,21 +65,25 @@ def _of(axes: Sequence[Axis]) -> str:
 
 
 @contextmanager
-def recorded(case: Case, file: str | Path | None) -> Iterator[tuple[Case, Record, Left | None]]:
+def recorded(
+    case: Case, file: str | Path | None, kind: type[Responses]
+) -> Iterator[tuple[Case, Record, Left | None]]:
     """A journal at `file`, with what is there; the case as `resumed` decides it; and what was left.
 
-    Without a file nothing is recorded. Raises CommandError as `resumed`, and ResultsError where the
-    file is no journal.
+    kind: of the results. Without a file nothing is recorded. Raises CommandError as `resumed`, and
+    ResultsError where the file is no journal, or somebody else is writing it.
     """
     if file is None:
         yield case, UNRECORDED, None
         return
     path = Path(file)
-    left = read_journal(path) if path.exists() else None
-    if left is not None:
-        case = resumed(case, left)
-    with Journal(path, left.answered if left else ()) as journal:
-        yield case, journal, left
+    with only_writer(path):
+        left = read_journal(path) if path.exists() else None
+        if left is not None:
+            check_kind(left, kind)
+            case = resumed(case, left)
+        with Journal(path, left.answered if left else ()) as journal:
+            yield case, journal, left
 
 
 def _what_differs(origin: Provenance, case: Case) -> Iterator[str]:

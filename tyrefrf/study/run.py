@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -11,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from tyrefrf.arrays import FloatArray
-from tyrefrf.case import Case, case_hash, load_case, read_text, resolved_toml
+from tyrefrf.case import Case, case_hash, file_digests, load_case, read_text, resolved_toml
+from tyrefrf.errors import CommandError
 from tyrefrf.fem.inflation import Inflation
 from tyrefrf.mesh.cell import CellMesh
 from tyrefrf.results import Provenance, Results, StaticState, read_measured
@@ -46,7 +49,7 @@ def run(
     if not isinstance(case, Case):
         path = Path(case)
         case, text = load_case(path), read_text(path)
-    with recorded(case, journal) as (decided, record, _):
+    with recorded(case, journal, Results) as (decided, record, _):
         results = run_case(decided, jobs=jobs, case_text=text, record=record)
     return certified(plan_certificate(case, results), jobs or cores()) if certify else results
 
@@ -71,18 +74,37 @@ def run_case(
     `remark`.
     """
     start = time.perf_counter()
-    measured = read_measured(case.measured, case.directory)
     frequency = np.array(case.frequency.lines())
     executor = executor_of(jobs or cores(), len(frequency))
-    model, expected = decided_model(build_model(case))
+    with read_once(case):
+        measured = read_measured(case.measured, case.directory)
+        model, expected = decided_model(build_model(case))
+        origin = provenance_of(model.case, case_text, {**sizes(model), **expected})
     check_fits(need_of_run(model.case, [model.problem], executor.here))
-    numbers = {**sizes(model), **expected}
-    blank = results_of(model, frequency, no_line(model, len(frequency)), case_text, numbers)
+    blank = results_of(model, frequency, no_line(model, len(frequency)), origin)
     record.begin(replace(blank, measured=measured))
     spectrum = solve_case([model.problem], model.case, executor, progress, record)[0]
-    numbers |= {**resumed_lines(record), "seconds": time.perf_counter() - start}
-    results = results_of(model, frequency, spectrum, case_text, numbers)
-    return replace(results, measured=measured)
+    origin = ended(origin, start, record)
+    return replace(results_of(model, frequency, spectrum, origin), measured=measured)
+
+
+@contextmanager
+def read_once(case: Case) -> Iterator[None]:
+    """For the time in which the files that a case names are read.
+
+    Raises CommandError where one is another at the end: nobody would know which has been read.
+    """
+    before = file_digests(case)
+    yield
+    if file_digests(case) != before:
+        names = ", ".join(name for name, _ in before)
+        raise CommandError(f"what the case names ({names}) was changed while it was read")
+
+
+def ended(origin: Provenance, start: float, record: Record) -> Provenance:
+    """Where results come from whose last line has just been solved."""
+    numbers = {**resumed_lines(record), "seconds": time.perf_counter() - start}
+    return replace(origin, numbers=origin.numbers | numbers, created=now())
 
 
 def no_line(model: Model, n_lines: int) -> Spectrum:
@@ -113,8 +135,7 @@ def results_of(
     model: Model,
     frequency: FloatArray,
     spectrum: Spectrum,
-    case_text: str,
-    numbers: dict[str, float | int],
+    origin: Provenance,
 ) -> Results:
     """Put the arrays under the names that users know."""
     n_probes = len(model.probes)
@@ -130,7 +151,7 @@ def results_of(
         solve_time=spectrum.solve_time,
         remark=spectrum.remark,
         section=model.mesh.left,
-        provenance=provenance_of(model.case, case_text, {**numbers, **_fit_numbers(spectrum.fit)}),
+        provenance=replace(origin, numbers=origin.numbers | _fit_numbers(spectrum.fit)),
         inflation=None if model.inflation is None else static_state(model, model.inflation),
     )
 
@@ -171,8 +192,13 @@ def provenance_of(case: Case, case_text: str, numbers: dict[str, float | int]) -
         case_hash=case_hash(case),
         version=version("tyrefrf"),
         solver=case.solver.name,
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        created=now(),
         n_cells=case.cell.n_cells,
         sector_angle=2.0 * np.pi / case.cell.n_cells,
         numbers=numbers,
     )
+
+
+def now() -> str:
+    """The time, as results keep it."""
+    return datetime.now(UTC).isoformat(timespec="seconds")

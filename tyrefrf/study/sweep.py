@@ -12,7 +12,7 @@ import numpy as np
 
 from tyrefrf.arrays import FloatArray
 from tyrefrf.case import Case, Grid, Values, load_case, make_grid, read_text
-from tyrefrf.results import Measured, Results, SweepResults, read_measured
+from tyrefrf.results import Measured, Provenance, Results, SweepResults, read_measured
 from tyrefrf.study.adaptive import solve_case
 from tyrefrf.study.choose import decided, with_solver
 from tyrefrf.study.executor import Workers, executor_of
@@ -20,7 +20,7 @@ from tyrefrf.study.local import cores, pinned
 from tyrefrf.study.memory import check_fits, need_of_run
 from tyrefrf.study.model import Model, Workshop
 from tyrefrf.study.resume import check_axes, recorded
-from tyrefrf.study.run import no_line, provenance_of, results_of, resumed_lines, sizes
+from tyrefrf.study.run import ended, no_line, provenance_of, read_once, results_of, sizes
 from tyrefrf.study.spectrum import UNRECORDED, Progress, Record, Spectrum
 
 
@@ -45,7 +45,7 @@ def sweep(
     if not isinstance(case, Case):
         path = Path(case)
         case, text = load_case(path), read_text(path)
-    with recorded(case, journal) as (decided_case, record, left):
+    with recorded(case, journal, SweepResults) as (decided_case, record, left):
         grid = make_grid(decided_case, wanted)
         if left is not None:
             check_axes(grid.axes, left)
@@ -68,32 +68,33 @@ def run_sweep(
     be meshed; a line that cannot be solved is NaN, with the reason in the point's `remark`.
     """
     start = time.perf_counter()
-    measured = read_measured(grid.base.measured, grid.base.directory)
     frequency = np.array(grid.base.frequency.lines())
     executor = executor_of(jobs or cores(), len(frequency) * len(grid.cases))
-    models = grid.each(Workshop().model)
-    base, expected = decided(grid.base, models[0].problem)
-    models = [replace(model, case=with_solver(model.case, base.solver.name)) for model in models]
+    with read_once(grid.base):
+        measured = read_measured(grid.base.measured, grid.base.directory)
+        models = grid.each(Workshop().model)
+        base, expected = decided(grid.base, models[0].problem)
+        models = [replace(one, case=with_solver(one.case, base.solver.name)) for one in models]
+        origins = [provenance_of(one.case, case_text, sizes(one)) for one in models]
+        origin = provenance_of(base, case_text, {"points": len(models), **expected})
     problems = [model.problem for model in models]
     check_fits(need_of_run(base, problems, executor.here))
-    points = partial(_points, models, frequency, measured, case_text)
-    numbers = {"points": len(models), **expected}
+    points = partial(_points, models, frequency, measured, origins)
     blank = points([no_line(model, len(frequency)) for model in models])
-    record.begin(SweepResults(grid.axes, blank, provenance_of(base, case_text, numbers)))
+    record.begin(SweepResults(grid.axes, blank, origin))
     spectra = solve_case(problems, base, executor, progress, record)
-    numbers |= {**resumed_lines(record), "seconds": time.perf_counter() - start}
-    return SweepResults(grid.axes, points(spectra), provenance_of(base, case_text, numbers))
+    return SweepResults(grid.axes, points(spectra), ended(origin, start, record))
 
 
 def _points(
     models: Sequence[Model],
     frequency: FloatArray,
     measured: tuple[Measured, ...],
-    case_text: str,
+    origins: Sequence[Provenance],
     spectra: Sequence[Spectrum],
 ) -> tuple[Results, ...]:
     """The results of every point."""
     return tuple(
-        replace(results_of(model, frequency, spectrum, case_text, sizes(model)), measured=measured)
-        for model, spectrum in zip(models, spectra, strict=True)
+        replace(results_of(model, frequency, spectrum, origin), measured=measured)
+        for model, spectrum, origin in zip(models, spectra, origins, strict=True)
     )
