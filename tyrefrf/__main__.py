@@ -1,6 +1,6 @@
 """`python -m tyrefrf` is `tyrefrf`."""
 
-from tyrefrf.cli.main import command
+from tyrefrf.cli.start import command
 
 if __name__ == "__main__":
     command()

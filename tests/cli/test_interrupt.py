@@ -100,3 +100,19 @@ def test_in_another_thread_nothing_is_asked_for():
     thread.start()
     thread.join()
     assert seen == [before]
+
+
+def test_ctrl_c_before_the_program_has_begun_ends_it_without_a_word():
+    """Python itself is beginning until then; main.py takes some tenths of a second more."""
+    program = """
+import os, signal, sys, types
+main = types.ModuleType("tyrefrf.cli.main")
+main.__getattr__ = lambda name: os.kill(os.getpid(), signal.SIGINT)
+sys.modules["tyrefrf.cli.main"] = main
+from tyrefrf.cli.start import command
+command()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")

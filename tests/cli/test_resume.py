@@ -6,17 +6,23 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
+import threading
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from command import tyrefrf_command
-from killed import PATIENCE, ended, started, wait_for_lines, workers_of
+from killed import PATIENCE, ended, heeding, started, wait_for_lines, workers_of
 from small import TEXT, text_with
 
 import tyrefrf
 from tyrefrf.results import load_results, load_sweep
 from tyrefrf.results.left import read_journal
+
+fcntl, pty, termios = (pytest.importorskip(name) for name in ("fcntl", "pty", "termios"))
 
 N_LINES = 1201
 LONG = text_with(("values = [0.0, 40.0, 150.0, 420.0]", f"stop = 420.0\ncount = {N_LINES}"))
@@ -217,3 +223,85 @@ def test_resume_begins_where_nothing_is_there(here):
     done = tyrefrf_command("run", "long.toml", "--resume", cwd=here)
     assert done.returncode == 0
     assert "resumed" not in done.stdout
+
+
+def test_a_run_under_way_is_no_run_that_was_ended(here):
+    with started("run", "long.toml", cwd=here) as process:
+        wait_for_lines(here / "results/long/long.journal", 1, process)
+        refused = tyrefrf_command("run", "long.toml", cwd=here)
+    assert refused.returncode == 2
+    assert f"long.h5 is being written by process {process.pid} on" in refused.stderr
+
+
+def test_an_adaptive_case_is_gone_on_with_where_all_lines_were_there(here):
+    adaptive = text_with(
+        ("[0.0, 40.0, 150.0, 420.0]", "[0.0, 40.0, 150.0, 420.0]\nadaptive = true")
+    )
+    (here / "long.toml").write_text(adaptive)
+    first = tyrefrf.run(here / "long.toml", jobs=1, journal=here / "results/long/long.journal")
+    done = tyrefrf_command("run", "long.toml", "--resume", "--jobs", 1, cwd=here)
+    assert done.returncode == 0, done.stderr
+    assert_same_digits(here / "results/long/long.h5", first)
+
+
+def test_other_results_outlast_the_end_of_their_replacement(here):
+    target, journal = here / "results/long/long.h5", here / "results/long/long.journal"
+    with started("run", "long.toml", cwd=here) as process:
+        wait_for_lines(journal, 100, process)
+        ended(process, signal.SIGTERM)
+    before = target.read_bytes()
+    journal.unlink()
+    (here / "long.toml").write_text(LONG.replace("80 MPa", "90 MPa"))
+    with started("run", "long.toml", "--force", cwd=here) as process:
+        wait_for_lines(journal, 5, process)
+        _, _, err = ended(process, signal.SIGTERM)
+    assert re.search(r"long.journal holds \d+ of 1201 lines; --resume computes the rest", err)
+    assert target.read_bytes() == before
+
+
+def test_stderr_that_takes_nothing_ends_nothing(here):
+    (here / "long.toml").write_text(TEXT)
+    for k, redirection in enumerate(("2>&-", "2>/dev/full")):
+        command = [sys.executable, "-m", "tyrefrf", "run", "long.toml", "--output", f"o{k}"]
+        shell = ["sh", "-c", f'"$@" {redirection}', "sh", *command]
+        done = subprocess.run(shell, cwd=here, capture_output=True, text=True, check=False)
+        assert done.returncode == 0
+        assert done.stdout.startswith("Small tyre\n")
+        assert not load_results(here / f"o{k}/long.h5").n_missing
+
+
+def test_a_terminal_that_is_closed_ends_the_run_in_order(here):
+    ours, theirs = pty.openpty()
+    target = here / "results/long"
+    with subprocess.Popen(
+        [sys.executable, "-m", "tyrefrf", "run", "long.toml", "--jobs", "2"],
+        cwd=here,
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+        preexec_fn=lambda: (heeding(), fcntl.ioctl(0, termios.TIOCSCTTY, 0)),
+    ) as process:
+        os.close(theirs)
+        threading.Thread(target=drain, args=(ours,), daemon=True).start()
+        wait_for_lines(target / "long.journal", 20, process)
+        os.killpg(process.pid, signal.SIGHUP)
+        assert process.wait(PATIENCE) == 128 + signal.SIGHUP
+    assert load_results(target / "long.h5").n_missing
+    os.close(ours)
+
+
+def drain(terminal):
+    with suppress(OSError):
+        while os.read(terminal, 10_000):
+            pass
+
+
+def test_a_group_that_is_hung_up_on_says_one_thing(here):
+    with started("run", "long.toml", "--jobs", 2, cwd=here, start_new_session=True) as process:
+        wait_for_lines(here / "results/long/long.journal", 20, process)
+        os.killpg(process.pid, signal.SIGHUP)
+        _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 128 + signal.SIGHUP
+    assert "Traceback" not in err
+    assert "interrupted by SIGHUP: " in err

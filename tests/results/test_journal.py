@@ -205,3 +205,32 @@ def test_a_complete_file_stands_whatever_journal_lies_beside(path, made):
 def test_missing_lines_outlast_the_results_file(path, made):
     write_results(path.with_name("other.h5"), load_any(path))
     assert_same_but(load_results(path.with_name("other.h5")), made, [LINES - 1, 7])
+
+
+@pytest.mark.parametrize("n_zeros", [1, HEAD, 100, 4096])
+def test_zeros_that_a_power_cut_leaves_at_the_end_are_no_lines(n_zeros, path, made):
+    with path.open("ab") as file:
+        file.write(bytes(n_zeros))
+    assert_same_but(load_any(path), made, [LINES - 1, 7])
+
+
+def test_a_line_that_is_being_synchronised_counts(tmp_path, blank, lines, monkeypatch):
+    def interrupted(number):
+        raise KeyboardInterrupt
+
+    with Journal(tmp_path / "j.journal") as journal:
+        journal.begin(blank)
+        monkeypatch.setattr("tyrefrf.results.journal.os.fsync", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            journal.add(lines[:1])
+    assert read_journal(journal.path).n_there == 1
+
+
+def test_a_run_that_ends_while_its_journal_is_read_is_read_from_its_file(path, made, monkeypatch):
+    def ended(journal):
+        write_results(path.with_suffix(".h5"), made)
+        journal.unlink()
+        return read_journal(journal)
+
+    monkeypatch.setattr("tyrefrf.results.reader.read_journal", ended)
+    assert load_any(path.with_suffix(".h5")).n_missing == 0

@@ -404,3 +404,11 @@ def test_the_case_s_own_solver_keeps_its_options():
 def test_wrong_names_are_refused(names, message):
     with pytest.raises(CommandError, match=message):
         known_solvers(names)
+
+
+def test_no_room_for_sections_is_said_with_its_place(tmp_path):
+    task = Task(case_with(), "", np.array([0]), tmp_path / "gone")
+    problem = build_model(task.case).problem
+    solver = prepare(problem, task.case.solver)()
+    with pytest.raises(SolveError, match=r"gone, for what is compared, .*TMPDIR names another"):
+        compare._spectrum(problem, solver, 0.5, task, silence)

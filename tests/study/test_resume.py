@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from small import case_with
 
 import tyrefrf
-from tyrefrf.case import make_grid
-from tyrefrf.errors import CommandError
+from tyrefrf.case import case_hash, load_case, make_grid
+from tyrefrf.errors import CommandError, ResultsError
+from tyrefrf.results import Results
 from tyrefrf.results.journal import Journal
 from tyrefrf.results.left import left_in, read_journal
 from tyrefrf.solvers import no_answer
 from tyrefrf.study.model import build_model
-from tyrefrf.study.resume import resumed
+from tyrefrf.study.resume import recorded, resumed
 from tyrefrf.study.run import run_case
 from tyrefrf.study.sweep import run_sweep
 
+CASES = Path(__file__).parents[2] / "cases"
 LINES = ("values = [0.0, 40.0, 150.0, 420.0]", "stop = 420.0\nstep = 3.5")
 ADAPTIVE = ("values = [0.0, 40.0, 150.0, 420.0]", "stop = 420.0\nstep = 1.0\nadaptive = true")
 SAME = ("frequency", "mobility", "receptance", "blocked_force", "residual", "solved", "remark")
@@ -198,3 +201,69 @@ def test_from_python_a_sweep_is_gone_on_with_by_the_same_values_only(tmp_path, m
         assert_same_digits(point, expected)
     with pytest.raises(CommandError, match=r"E_rubber = 40 MPa, 80 MPa -> E_rubber = 40 MPa, 90"):
         tyrefrf.sweep(case_with(), {"E_rubber": [40e6, 90e6]}, journal=file)
+
+
+def test_from_python_a_journal_of_another_command_is_refused(tmp_path):
+    of_sweep, of_run = tmp_path / "sweep.journal", tmp_path / "run.journal"
+    tyrefrf.sweep(case_with(), {"E_rubber": [40e6, 80e6]}, jobs=1, journal=of_sweep)
+    tyrefrf.run(case_with(), jobs=1, journal=of_run)
+    with pytest.raises(CommandError, match="holds results of another command"):
+        tyrefrf.run(case_with(), journal=of_sweep)
+    with pytest.raises(CommandError, match="holds results of another command"):
+        tyrefrf.sweep(case_with(), {"E_rubber": [40e6, 80e6]}, journal=of_run)
+
+
+def test_from_python_a_journal_has_one_writer(tmp_path):
+    file = tmp_path / "tyre.journal"
+    with recorded(case_with(), file, Results), pytest.raises(ResultsError, match="being written"):
+        tyrefrf.run(case_with(), journal=file)
+
+
+@pytest.fixture
+def named(tmp_path):
+    """A case that names a mesh, with three lines, and the mesh."""
+    mesh = tmp_path / "meshes" / "section.inp"
+    mesh.parent.mkdir()
+    mesh.write_bytes((CASES / "meshes/section.inp").read_bytes())
+    text = (CASES / "mesh_section.toml").read_text()
+    text = text.replace("stop = 500.0\nstep = 5.0", "values = [0.0, 50.0, 100.0]")
+    (tmp_path / "tyre.toml").write_text(text)
+    return load_case(tmp_path / "tyre.toml"), mesh
+
+
+def change(mesh):
+    """Move a node a little."""
+    mesh.write_text(mesh.read_text().replace("\n1, 168.0", "\n1, 168.1", 1))
+
+
+class Changing(Journal):
+    """Its run finds a file changed as its first line is there."""
+
+    def __init__(self, path, mesh):
+        super().__init__(path)
+        self.mesh = mesh
+
+    def add(self, lines):
+        super().add(lines)
+        change(self.mesh)
+
+
+def test_results_are_of_the_files_that_were_read(named, tmp_path):
+    case, mesh = named
+    expected = case_hash(case)
+    with Changing(tmp_path / "j", mesh) as journal:
+        results = run_case(case, jobs=1, record=journal)
+    assert results.provenance.case_hash == expected != case_hash(case)
+    assert read_journal(tmp_path / "j").results.provenance.case_hash == expected
+
+
+def test_files_that_change_while_they_are_read_are_refused(named, monkeypatch):
+    case, mesh = named
+
+    def changing(case):
+        change(mesh)
+        return build_model(case)
+
+    monkeypatch.setattr("tyrefrf.study.run.build_model", changing)
+    with pytest.raises(CommandError, match=r"names \(mesh.file\) was changed while it was read"):
+        run_case(case, jobs=1)

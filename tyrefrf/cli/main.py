@@ -7,7 +7,6 @@ lines failed, or breached their proof; 2: the case or the command line is wrong.
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from contextlib import suppress
 from enum import StrEnum
@@ -617,14 +616,6 @@ def _version(
         raise typer.Exit
 
 
-def command() -> None:
-    """The program `tyrefrf`: `main`, and a Ctrl-C while the interpreter ends only ends it."""
-    try:
-        main()
-    finally:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def main() -> None:
     """Run the command line and turn errors into messages and exit statuses.
 
@@ -632,9 +623,7 @@ def main() -> None:
     """
     for variable, one in ONE_THREAD.items():
         os.environ.setdefault(variable, one)
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed, as by 2>&-: print would take the other for it
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+    _open_what_is_closed()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # names may have letters that the terminal has not
             stream.reconfigure(errors="backslashreplace")
@@ -657,6 +646,21 @@ def main() -> None:
     except OSError as error:
         where = [str(error.filename)] if error.filename else []
         _fail(ResultsError(": ".join([*where, error.strerror or str(error)])), 1)
+
+
+def _open_what_is_closed() -> None:
+    """Give stdout and stderr that are closed, as by 2>&-, to nobody: print would mix them up.
+
+    Processes that are started have them, too: their pipes would get the numbers.
+    """
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        if getattr(sys, name) is None:
+            nobody = os.open(os.devnull, os.O_WRONLY)
+            if nobody != number:
+                os.dup2(nobody, number)
+                os.close(nobody)
+            os.set_inheritable(number, True)
+            setattr(sys, name, os.fdopen(number, "w", encoding="utf-8", closefd=False))
 
 
 def _refuse_little_memory() -> None:
