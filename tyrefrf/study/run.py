@@ -69,9 +69,9 @@ def run_case(
     the file as its author wrote it, kept with the results. progress: called with lines just
     finished. record: where lines are kept as they are solved; those that it knows are not solved
     again.
-    Raises CaseError and MeshError for a case that cannot be computed, SolveError where memory is
-    too short for it; a line that cannot be solved is NaN in the results, with the reason in
-    `remark`.
+    Raises CaseError and MeshError for a case that cannot be computed, CommandError where a file
+    that it names changes while it is read, SolveError where memory is too short for it; a line that
+    cannot be solved is NaN in the results, with the reason in `remark`.
     """
     start = time.perf_counter()
     frequency = np.array(case.frequency.lines())
